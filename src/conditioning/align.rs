@@ -5,12 +5,14 @@
 //! samples, and between them none:
 //!
 //! ```text
-//! rows           those in which the sensor with the most samples has one, or a measured input that has fewer
+//! rows           those in which the sensor with the most samples has one, or a slower one, or a measured input that has
+//!                fewer
 //! other sensors  the line between the samples around the row, and a measured input as well
 //! a command      the last sample: it holds until the next
 //! ```
-//! Between the samples of a measured input it is unknown, and more rows would claim so. A sensor with less than
-//! half as many samples is held too: lines between few samples would be counted as measurements that do not exist.
+//! Between the samples of a measured input it is unknown, and more rows would claim so. Lines between few samples would
+//! be counted as measurements that do not exist: angles that come less often than the speeds are discarded, as are such
+//! speeds, and if one wheel comes less often its rows are those of the recording.
 
 use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
@@ -21,10 +23,40 @@ use crate::recording::{Channels, REGULAR, refreshed};
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
 
-/// Part of the samples of the fastest sensor below which another one is slow.
+/// Part of the samples of the other wheel that sensors have which are read in turn, at least.
 const HALF: f64 = 0.5;
+/// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is less
+/// than that of the sensor, and one row in five moves what the rows show of it by a tenth.
+const FEW: f64 = 0.8;
 /// Part of its range beyond which an angle does not move between two samples, but wraps.
 const WRAP: f64 = 0.5;
+
+/// Leaves out the angles, or the speeds, where they have fewer samples than the other; the cells of what stays.
+pub(super) fn without_slow_pair(work: &mut Conditioned, cells: Vec<Cells>) -> Vec<Cells> {
+    let of = |kind: fn(usize) -> Channel| {
+        let of_kind = |c: &&Cells| [kind(0), kind(1)].contains(&c.0);
+        cells.iter().filter(of_kind).map(|(_, own)| own.iter().filter(|o| **o).count()).min()
+    };
+    let (Some(angles), Some(speeds)) = (of(Channel::Angle), of(Channel::Speed)) else { return cells };
+    let (slow, other, kind): (_, _, fn(usize) -> Channel) = if angles < speeds {
+        (angles, speeds, Channel::Angle)
+    } else {
+        (speeds, angles, Channel::Speed)
+    };
+    if slow as f64 >= FEW * other as f64 {
+        return cells;
+    }
+    if angles < speeds {
+        work.channels.alpha = None;
+    } else {
+        work.channels.omega = None;
+    }
+    let share = slow as f64 / work.channels.t.len() as f64;
+    for channel in [kind(0), kind(1)] {
+        work.findings.push(Finding::corrected(channel, Kind::SlowPair { share }, "rows", true));
+    }
+    cells.into_iter().filter(|c| ![kind(0), kind(1)].contains(&c.0)).collect()
+}
 
 /// Keeps the rows in which the sensor with the most samples has one, or the measured input with fewer, and reads
 /// the channels of which `is_slow` there.
@@ -36,9 +68,11 @@ pub(super) fn align(
 ) {
     let count = |cells: &[bool]| cells.iter().filter(|c| **c).count();
     let is_sensor = |channel: Channel| matches!(channel, Channel::Angle(_) | Channel::Speed(_));
-    let sensors = cells.iter().filter(|(channel, _)| is_sensor(*channel));
+    let sensors = || cells.iter().filter(|(channel, _)| is_sensor(*channel));
     // of equals the first
-    let Some(fastest) = sensors.rev().max_by_key(|(_, cells)| count(cells)) else { return };
+    let Some(fastest) = sensors().rev().max_by_key(|(_, cells)| count(cells)) else { return };
+    let few = |(_, own): &&Cells| (count(own) as f64) < FEW * count(&fastest.1) as f64;
+    let fastest = sensors().filter(few).min_by_key(|(_, cells)| count(cells)).unwrap_or(fastest);
     let inputs = cells.iter().filter(|c| !commanded && !is_sensor(c.0) && is_slow(c));
     let slowest = inputs.min_by_key(|(_, cells)| count(cells));
     let (base, kept) = slowest.filter(|(_, c)| count(c) < count(&fastest.1)).unwrap_or(fastest);
@@ -49,8 +83,7 @@ pub(super) fn align(
         if own == kept {
             continue;
         }
-        let few = (count(own) as f64) < HALF * count(kept) as f64;
-        let is_held = if is_sensor(*channel) { few } else { commanded };
+        let is_held = !is_sensor(*channel) && commanded;
         let read = if is_held {
             held
         } else if matches!(channel, Channel::Angle(_)) {

@@ -10,7 +10,8 @@ use std::ops::Range;
 use super::Conditioned;
 use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, median_high};
+use super::jitter::by_number;
+use super::signal::{changes, is_increasing, median_high};
 use crate::recording::REGULAR;
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
@@ -22,6 +23,8 @@ const UNEVEN: f64 = 0.1;
 const TWICE: f64 = 0.5;
 /// Ticks up to the next stamp beyond which rows are missing between.
 const NEXT: f64 = 1.5;
+/// Part of a tick by which its multiples are rounded: those of a timer of 1/64 s in milliseconds.
+const ROUNDED: f64 = 0.1;
 
 /// Spreads the rows of each tick evenly over it, where ticks hold nearly the same number of rows. Where one rate
 /// fits all stamps to within a tick, the rows have that rate.
@@ -33,18 +36,42 @@ pub(super) fn coarse(work: &mut Conditioned) {
     if t.windows(2).any(|w| w[1] < w[0]) || inner.len() < 2 || is_twice(work) {
         return;
     }
-    let usual = median_high(inner.iter().map(|r| r.len() as f64));
-    let allowed = (UNEVEN * usual).max(1.0);
-    let regular = inner.iter().filter(|r| (r.len() as f64 - usual).abs() <= allowed).count();
     let mean = inner.iter().map(|r| r.len() as f64).sum::<f64>() / inner.len() as f64;
-    if mean < ROWS_A_TICK || (regular as f64) < REGULAR * inner.len() as f64 {
+    if mean < ROWS_A_TICK {
         return;
     }
     let tick = median_high(ticks.windows(2).map(|w| t[w[1].start] - t[w[0].start]));
+    // a clock goes on by whole ticks; a receiver that looks now and then stamps by a finer one
+    if share_of_multiples(t, &ticks, tick) < REGULAR {
+        return in_batches(work, &ticks, mean);
+    }
+    let usual = median_high(inner.iter().map(|r| r.len() as f64));
+    let allowed = (UNEVEN * usual).max(1.0);
+    let regular = inner.iter().filter(|r| (r.len() as f64 - usual).abs() <= allowed).count();
+    if (regular as f64) < REGULAR * inner.len() as f64 {
+        return;
+    }
     let t = at_one_rate(t, &ticks, tick).unwrap_or_else(|| spread(t, &ticks, tick, tick / mean));
     work.channels.t = t;
     let kind = Kind::CoarseClock { tick_s: tick, rows: mean };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// Puts the rows of a receiver, which stamps what came since it last looked, at the even times at which they were sent.
+fn in_batches(work: &mut Conditioned, ticks: &[Range<usize>], rows: f64) {
+    let starts: Vec<usize> = ticks.iter().map(|tick| tick.start).collect();
+    let even = by_number(&work.channels.t, &starts);
+    if is_increasing(&even) {
+        work.channels.t = even;
+        work.findings.push(Finding::corrected(Channel::Time, Kind::Batches { rows }, "rows", true));
+    }
+}
+
+/// Share of the steps from stamp to stamp that are whole ticks.
+fn share_of_multiples(t: &[f64], ticks: &[Range<usize>], tick: f64) -> f64 {
+    let steps = || ticks.windows(2).map(|w| (t[w[1].start] - t[w[0].start]) / tick);
+    let whole = steps().filter(|n| (n - n.round().max(1.0)).abs() < ROUNDED).count();
+    whole as f64 / steps().count().max(1) as f64
 }
 
 /// The runs of rows with one stamp.
@@ -104,7 +131,6 @@ fn spread(t: &[f64], ticks: &[Range<usize>], tick: f64, step: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rows::is_increasing;
     use super::super::{Context, Settings, condition};
     use super::*;
     use crate::recording::Channels;
@@ -135,6 +161,27 @@ mod tests {
             let step = (t[599] - t[0]) / 599.0;
             assert!((step * rate - 1.0).abs() < 1e-6, "{rate} {tick} {step}");
             assert!(t.windows(2).all(|w| ((w[1] - w[0]) / step - 1.0).abs() < 1e-6));
+        }
+    }
+
+    #[test]
+    fn stamps_of_a_receiver_that_looks_now_and_then_are_no_coarse_clock() {
+        // rows of 2 ms, taken every 3 to 6 ms and stamped in milliseconds
+        let times: Vec<f64> = (0..600).map(|k| 0.002 * f64::from(k)).collect();
+        let mut looks = vec![0.0];
+        let mut at = 0.0;
+        while at < 1.3 {
+            at += 1e-3 * [4.0, 4.0, 3.0, 5.0, 6.0, 4.0][looks.len() % 6];
+            looks.push(at);
+        }
+        let mut channels = stamped(&times, 1e-9);
+        let late = |t: &f64| looks.iter().copied().find(|look| *look >= *t - 1e-9);
+        channels.t = times.iter().filter_map(late).collect();
+        let found = done(channels);
+        assert!(matches!(found.findings[0].kind, Kind::Batches { .. }), "{:?}", found.findings);
+        // 2 ms on average after they were sent, and a line through a hundred stamps that scatter by 1.3 ms
+        for (a, b) in found.channels.t.iter().zip(&times) {
+            assert!((a - b - 0.002).abs() < 7e-4, "{a} {b}");
         }
     }
 

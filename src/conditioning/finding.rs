@@ -76,9 +76,14 @@ pub enum Kind<C = usize, R = f64> {
         /// Part of the rows that have a value \[1\].
         share: R,
     },
-    /// A command or a slow sensor that has its own rows; held in between.
+    /// A command that has its own rows; held in between.
     HeldColumn {
         /// Part of the rows that have a value \[1\].
+        share: R,
+    },
+    /// Angles or speeds that come less often than the other; left out.
+    SlowPair {
+        /// Part of the rows that have a new value \[1\].
         share: R,
     },
     /// A column in whose rows the recording stands; those of other messages serve their own columns.
@@ -122,6 +127,18 @@ pub enum Kind<C = usize, R = f64> {
         tick_s: R,
         /// Rows within a tick.
         rows: R,
+    },
+    /// Rows that a receiver stamped in batches; they stand at even times.
+    Batches {
+        /// Rows of a batch, on average.
+        rows: R,
+    },
+    /// A speed whose sensor kept its last value while the wheel stood still; its rows are left out.
+    Frozen {
+        /// How many rows.
+        rows: C,
+        /// The first of them.
+        first: C,
     },
     /// Rows that repeat the sensors' last sample though the wheels move; what came late is put in its place.
     Stale {
@@ -302,12 +319,15 @@ impl Kind {
             Self::MissingValues { rows, .. } => ("missing_values", rows as f64, "rows"),
             Self::SparseColumn { share } => ("sparse_column", share, "1"),
             Self::HeldColumn { share } => ("held_column", share, "1"),
+            Self::SlowPair { share } => ("slow_pair", share, "1"),
             Self::OwnRows { share } => ("own_rows", share, "1"),
             Self::TimeRows { rows, .. } => ("time_not_increasing", rows as f64, "rows"),
             Self::Jitter { share } => ("jitter", share, "rows"),
             Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),
             Self::CoarseClock { tick_s, .. } => ("coarse_clock", tick_s, "s"),
+            Self::Batches { rows } => ("batches", rows, "rows"),
+            Self::Frozen { rows, .. } => ("frozen", rows as f64, "rows"),
             Self::Stale { rows, .. } => ("stale", rows as f64, "rows"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),

@@ -4,8 +4,7 @@
 use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
-use super::rows::is_increasing;
-use super::signal::{median_high, pieces};
+use super::signal::{is_increasing, median_high, pieces};
 use super::{Conditioned, Settings};
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
@@ -32,10 +31,10 @@ const SURE: f64 = 5.0;
 /// White noise of the sensors alone gives both the same e; a sensor that was read at uneven times, as stamped, gives the
 /// even times the larger one.
 pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
-    let t = &work.channels.t;
-    if !settings.rows {
+    if !settings.rows || in_batches(work) {
         return;
     }
+    let t = &work.channels.t;
     let pieces = pieces(t);
     let even: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
     let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
@@ -56,6 +55,29 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
+/// Puts rows that a receiver stamped in batches, one shortly after the other, at even times by their number, where the
+/// sensors move more smoothly there; whether it did.
+fn in_batches(work: &mut Conditioned) -> bool {
+    let t = &work.channels.t;
+    let mean = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
+    let starts: Vec<usize> = (0..t.len()).filter(|&k| k == 0 || t[k] - t[k - 1] >= mean).collect();
+    let close = t.windows(2).filter(|w| w[1] - w[0] < HALF * mean).count();
+    if 2 * close < t.len() {
+        return false;
+    }
+    let even = by_number(t, &starts);
+    let Some(values) = work.channels.alpha.as_ref().or(work.channels.omega.as_ref()) else {
+        return false;
+    };
+    if !is_increasing(&even) || !is_smoother(values, t, &even, &pieces(&even)) {
+        return false;
+    }
+    let kind = Kind::Batches { rows: t.len() as f64 / starts.len() as f64 };
+    work.channels.t = even;
+    work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+    true
+}
+
 /// The even times of a piece: rows counted by a clock that follows the stamps slowly, on a line through those around.
 fn even(t: &[f64]) -> Vec<f64> {
     let h = median_high(t.windows(2).map(|w| w[1] - w[0]));
@@ -72,6 +94,28 @@ fn even(t: &[f64]) -> Vec<f64> {
             place
         }))
         .collect();
+    on_lines(t, &places, h)
+}
+
+/// The even times of rows of which none is missing: their number alone on lines through the stamps around, from one gap
+/// between the batches that `starts` begin to the next.
+pub(super) fn by_number(t: &[f64], starts: &[usize]) -> Vec<f64> {
+    let of_batches: Vec<f64> = starts.iter().map(|&k| t[k]).collect();
+    let ends = pieces(&of_batches).into_iter().map(|piece| {
+        let end = starts.get(piece.end).copied().unwrap_or(t.len());
+        starts[piece.start]..end
+    });
+    ends.flat_map(|rows| {
+        let t = &t[rows];
+        let places: Vec<f64> = (0..t.len()).map(|k| k as f64).collect();
+        let mean = (t[t.len() - 1] - t[0]) / (t.len().max(2) - 1) as f64;
+        if t.len() > 2 { on_lines(t, &places, mean) } else { t.to_vec() }
+    })
+    .collect()
+}
+
+/// Each row on the line through the stamps around it, over the places of the rows, of which one takes about `h` \[s\].
+fn on_lines(t: &[f64], places: &[f64], h: f64) -> Vec<f64> {
     let on_line = |k: usize| {
         let around = k.saturating_sub(REACH)..(k + REACH + 1).min(t.len());
         let count = around.len() as f64;
@@ -163,6 +207,31 @@ mod tests {
         for (found, is) in work.channels.t.iter().zip(true_times) {
             assert!((found - is).abs() < 6e-4, "{found} {is}");
         }
+    }
+
+    #[test]
+    fn rows_that_are_taken_in_batches_stand_at_even_times() {
+        let mut work = work(0.0, 0.0, 1e-3);
+        work.channels.t.iter_mut().enumerate().for_each(|(k, t)| *t = 0.01 * k as f64);
+        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
+        let (mut looks, mut step) = (vec![0.0_f64], 0);
+        while looks[looks.len() - 1] < 21.0 {
+            step = (step + 7) % 11;
+            looks.push(looks[looks.len() - 1] + 0.03 + 0.002 * f64::from(step));
+        }
+        let values = work.channels.t.iter().map(|t| motion(*t)).collect();
+        let even = work.channels.t.clone();
+        let late = |(k, t): (usize, &f64)| {
+            let look = looks.iter().copied().find(|look| look >= t).unwrap();
+            look + 1e-4 * (k % 7) as f64
+        };
+        work.channels.alpha = Some(values);
+        work.channels.t = even.iter().enumerate().map(late).collect();
+        even_times(&mut work, &Settings::default());
+        assert!(matches!(work.findings[0].kind, Kind::Batches { .. }), "{:?}", work.findings);
+        // 20 ms late on average; the line through a hundred stamps that scatter by 13 ms
+        let off: Vec<f64> = work.channels.t.iter().zip(&even).map(|(a, b)| a - b - 0.02).collect();
+        assert!(off.iter().all(|o| o.abs() < 7e-3), "{off:?}");
     }
 
     #[test]

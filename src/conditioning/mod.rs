@@ -2,12 +2,13 @@
 //! function from the channels of a file to consistent channels and a list of findings.
 //!
 //! ```text
-//! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | whose stamps scatter
-//! columns    slower than the rows | of the other wheel
+//! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | stamped in batches
+//!            | whose stamps scatter
+//! columns    slower than the rows | of the other wheel | at rates of their own
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
-//! speeds     counts of an encoder | in another unit | of another sign | late | computed from the angles
+//! speeds     kept at rest | counts of an encoder | in another unit | of another sign | late | computed from the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
 //! sensors    that never move, refresh more slowly than the rows, or are coarse
 //! ```
@@ -22,9 +23,11 @@ mod counterpart;
 mod counts;
 mod error;
 mod finding;
+mod frozen;
 mod held_input;
 mod input;
 mod jitter;
+mod rates;
 mod rows;
 mod sensors;
 mod settings;
@@ -98,15 +101,17 @@ pub fn condition(
     rows::values(&mut work, settings, context);
     rows::times(&mut work, settings);
     let t = &work.channels.t;
-    if t.len() < FEWEST_ROWS || !rows::is_increasing(t) {
+    if t.len() < FEWEST_ROWS || !signal::is_increasing(t) {
         return Ok(work); // the check of the recording says that it is too short, or where time stands still
     }
     counts::angles(&mut work, settings, context);
     jitter::even_times(&mut work, settings);
     align::read_in_turn(&mut work, settings, context);
+    rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     stale::rows(&mut work, settings);
     spikes::sensors(&mut work, settings);
+    frozen::rows(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);
     sensors::still(&work, settings)?;

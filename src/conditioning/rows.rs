@@ -1,10 +1,10 @@
 //! Rows: without a number, of a repeated or backward time, of a clock that was restarted.
 
-use super::align::{Cells, align};
+use super::align::{Cells, align, without_slow_pair};
 use super::cells::{columns, keep};
 use super::clock;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::median_high;
+use super::signal::{is_increasing, median_high};
 use super::{Conditioned, Context, Settings};
 
 /// A column that lacks more than this share of its values is not damaged but slower than the rows:
@@ -34,6 +34,7 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
         missing as f64 > SPARSE * count as f64 && missing < count
     };
     if cells.iter().any(is_sparse) {
+        let cells = without_slow_pair(work, cells);
         align(work, &cells, is_sparse, context.commanded);
     }
     let channels = columns(&work.channels);
@@ -73,11 +74,6 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     keep(&mut work.channels, &flags);
     let kind = Kind::TimeRows { rows, first };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
-}
-
-/// Whether every row is later than that before.
-pub(super) fn is_increasing(t: &[f64]) -> bool {
-    t.windows(2).all(|w| w[0] < w[1])
 }
 
 /// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
@@ -202,12 +198,11 @@ mod tests {
         let mut w = work(even(100));
         w.channels.torque[7][1] = f64::NAN;
         w.channels.omega =
-            Some((0..100).map(|k| [if k % 2 == 0 { k as f64 } else { f64::NAN }, 1.0]).collect());
+            Some((0..100).map(|k| [if k % 10 == 5 { f64::NAN } else { k as f64 }, 1.0]).collect());
         values(&mut w, &Settings::default(), &Context::default());
         assert!(matches!(w.findings[0], Finding { channel: Channel::Speed(0), .. }));
         assert!(matches!(w.findings[1].kind, Kind::MissingValues { rows: 1, first: 8 }));
-        // and the last one, behind the last value of the slow column
-        assert_eq!(w.channels.t.len(), 98);
+        assert_eq!(w.channels.t.len(), 99);
         assert_eq!(w.channels.omega.unwrap()[5][0], 5.0);
     }
 

@@ -9,6 +9,11 @@ pub(super) fn column(rows: &[[f64; 2]], i: usize) -> Vec<f64> {
     rows.iter().map(|v| v[i]).collect()
 }
 
+/// Whether every row is later than that before.
+pub(super) fn is_increasing(t: &[f64]) -> bool {
+    t.windows(2).all(|w| w[0] < w[1])
+}
+
 /// Number of values that a channel takes.
 pub(super) fn levels(rows: &[[f64; 2]], i: usize) -> usize {
     let mut values = column(rows, i);

@@ -13,6 +13,7 @@ use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::windows::Windows;
 use crate::effects::Scale;
+use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
@@ -51,7 +52,8 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
     let balanced = by_balance(&regression, step)?;
     let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
-    let (dead_time_s, std_error_s) = simulated.and_then(|s| s.shift).unwrap_or(balanced);
+    let shift = simulated.and_then(|s| s.shift);
+    let (dead_time_s, std_error_s) = shift.unwrap_or_else(|| of_input(balanced, step, hold));
     let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
@@ -92,6 +94,13 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
     Some((shift, (2.0 * least / (regression.degrees * bend)).sqrt()))
 }
 
+/// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a smoothed
+/// speed, so that the time is that of an instant anywhere in its row.
+fn of_input((shift, std_error): (f64, f64), step: f64, hold: Hold) -> (f64, f64) {
+    let held = if hold == Hold::Constant { 0.5 * step } else { 0.0 };
+    (shift - held, std_error.hypot(step / 12.0_f64.sqrt()))
+}
+
 /// A shift by simulation.
 #[derive(Clone, Copy)]
 struct ShiftFit {
@@ -126,7 +135,8 @@ fn by_simulation(
         step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)
     });
     let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
-    let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
+    let variance = variance(&windows, &fit, j);
+    let std_error = (variance + sampling).sqrt();
     let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
     Some(ShiftFit { shift: found.then_some((fit.p[j], std_error)), error })
 }
@@ -187,6 +197,25 @@ pub(super) fn over_windows<'a>(
     let all = Windows::new(recordings.to_vec(), hold, model, p);
     let every = all.windows.len().div_ceil(WINDOWS).max(1);
     all.only(|n| n % every == 0).sampled(model, p)
+}
+
+/// Variance of parameter `j` of a fit; with too few windows for the variance of their scores, the one due to their noise,
+/// scaled by the ratio of their errors to it.
+fn variance(windows: &Windows, fit: &WindowFit, j: usize) -> f64 {
+    if !fit.is_short() {
+        return fit.covariance[(j, j)];
+    }
+    let free = fit.model.free();
+    let place = free.iter().position(|&k| k == j);
+    let Some((n, quadratic)) = place.zip(windows.quadratic(&fit.model, &fit.p, &free)) else {
+        return f64::INFINITY;
+    };
+    let known = Information::new(&quadratic.hessian);
+    if known.unidentifiable().contains(&n) {
+        return f64::INFINITY;
+    }
+    let above = 2.0 * fit.cost / windows.values() as f64;
+    known.inverse()[(n, n)] * above.max(1.0)
 }
 
 /// Change of parameter `j` of a fit by one Gauss-Newton step on other windows.

@@ -109,7 +109,7 @@ fn with_basis<T>(
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-        is_stalled: comparison.reference_method().is_undetermined(),
+        undetermined: comparison.reference_method().undetermined(),
     })
 }
 
@@ -147,7 +147,7 @@ fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model
     let mut model = plan.model.clone();
     // a descent that stalled far from a minimum contains no information on identifiability
     if train.iter().all(Recording::is_single_axis)
-        || comparison.reference_method().is_undetermined()
+        || comparison.reference_method().undetermined().is_some()
     {
         return model;
     }

@@ -16,7 +16,7 @@ use super::resolve::resolve;
 use super::run::run_in_stages;
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::report::{results, sentence};
+use crate::report::{not_determined, results, sentence};
 use crate::study::{Invocation, Judged, Study, Version};
 
 /// Result of an experiment.
@@ -327,9 +327,12 @@ fn verdict(study: &Study) -> String {
                 sentence(diagnosis)
             )
         }
-        _ => format!(
-            "2 s simulation error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
-            method.name
-        ),
+        _ => {
+            let unknown = study.undetermined().map_or(String::new(), |why| not_determined(why) + " ");
+            format!(
+                "{unknown}2 s simulation error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
+                method.name
+            )
+        }
     }
 }

@@ -44,7 +44,8 @@ fn fit(
     let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let mut fit = super::long::identify(&*method.method, &task, &long);
+    let fit = super::long::identify(&*method.method, &task, &long);
+    let mut fit = fit.map(|fit| fit.between_rows(train, plan.hold).driving_frictions(task.model));
     if let (Ok(fit), Some(t)) = (&mut fit, plan.late()) {
         fit.notes.push(Note::Late(t.dead_time_s, t.std_error_s));
     }

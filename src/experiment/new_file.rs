@@ -43,6 +43,9 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     Ok(format!("wrote {file}\n{}{next}\n", draft.words))
 }
 
+/// Text for a recording that cannot be read with the columns as detected; the question gives the reason.
+const UNREAD: &str = "can be read when the questions below are answered";
+
 /// A file that has not been written yet.
 pub(super) struct Draft {
     pub(super) text: String,
@@ -74,9 +77,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
                 (seen(&recording, &findings, kind), Some(kind))
             }
             Err(reason) => {
-                let said = format!("not read yet: {reason}");
                 unread.get_or_insert(format!("{}: {reason}", path.to_string_lossy()));
-                (vec![said], None)
+                (vec![UNREAD.to_owned()], None)
             }
         };
         let name = path.to_string_lossy();

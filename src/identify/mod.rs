@@ -3,6 +3,8 @@
 //! Every method takes the same [`Task`] (a model and training recordings) and returns the same
 //! [`Fit`]; not converging is a status of the fit, not an error.
 
+mod between_rows;
+mod driving;
 mod fit;
 pub mod fuzzy;
 mod identifiability;

@@ -62,6 +62,19 @@ pub enum Note {
     InputShift(f64, f64),
     /// Dead time between input and motion that is not in the model, with its standard error \[s\].
     Late(f64, f64),
+    /// Symbols and values of frictions that are negative with their whole intervals.
+    DrivingFriction(Vec<(String, f64)>),
+    /// The larger part of the inertias may be made of what the input does between its rows.
+    BetweenRows {
+        /// Their symbols.
+        symbols: Vec<String>,
+        /// Largest share of them.
+        share: f64,
+        /// From row to row \[s\].
+        step_s: f64,
+        /// Rows a second that would do.
+        rate: usize,
+    },
     /// `torque_regression` simulates better, and its values are used.
     BetterRegression {
         /// Whether on held-out pieces, or on the training recordings themselves.

@@ -32,4 +32,4 @@ pub use render::{Rendered, render, thumbnail};
 pub use results::{SCHEMA, results};
 pub use section::Section;
 pub(crate) use verdict::title;
-pub use verdict::{evidence, recommendation, sentence};
+pub use verdict::{evidence, not_determined, recommendation, sentence};

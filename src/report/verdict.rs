@@ -7,10 +7,10 @@ mod evidence;
 mod formula;
 mod next;
 
-use self::effects::{found, lowered, named, shifts_input, unproven};
+use self::effects::{found, judged, lowered, named, shifts_input, unproven};
 use crate::diagnose::Difference;
 use crate::report::format::percent;
-use crate::study::{DiagnosisStudy, Verdict, Withheld};
+use crate::study::{DiagnosisStudy, Undetermined, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
 pub use self::evidence::evidence;
@@ -26,8 +26,8 @@ pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
 /// dependence of the residual torque, and a formula for it.
 #[must_use]
 pub(super) fn sentences(diagnosis: &DiagnosisStudy) -> Vec<String> {
-    if diagnosis.is_undetermined {
-        return vec![UNDETERMINED.to_owned()];
+    if let Some(why) = diagnosis.undetermined {
+        return vec![not_determined(why)];
     }
     let DiagnosisStudy { errors, logging, differs, dependence, formula, .. } = diagnosis;
     let mut sentences = concluded(diagnosis);
@@ -51,7 +51,20 @@ fn differs_words(difference: &Difference) -> String {
 }
 
 /// Text in place of a comparison with the noise floor.
-const UNDETERMINED: &str = "The model cannot be determined from these columns: a1 is not identifiable. The \
+#[must_use]
+pub fn not_determined(why: Undetermined) -> String {
+    match why {
+        Undetermined::Columns => OF_COLUMNS.to_owned(),
+        Undetermined::BetweenRows { share, step_s, .. } => format!(
+            "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
+             by {:.0} % of the torque that accelerates the robot. The simulation error of such a fit does not measure its \
+             quality.",
+            100.0 * share
+        ),
+    }
+}
+
+const OF_COLUMNS: &str = "The model cannot be determined from these columns: a1 is not identifiable. The \
                             simulation error of such a fit does not measure its quality.";
 
 /// The missing effects and the remaining error.
@@ -98,8 +111,9 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
     let text = |text: &str| text.to_owned();
     if let Some((effect, why)) = &stated.withheld {
         let with = format!(
-            "With {} the held-out error falls by {}, but {}.",
+            "With {} {} falls by {}, but {}.",
             named(&effect.id),
+            judged(effect),
             lowered(effect),
             reason(*why)
         );
@@ -191,18 +205,18 @@ mod tests {
             false_alarm: 0.05,
             effects: vec![],
             formula: None,
-            is_undetermined: false,
+            undetermined: None,
         }
     }
 
     #[test]
     fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
-        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117, crossed: false };
         let depends = DependenceStudy { shown: None, beside: None, tested: None, is_left: false };
         let stated =
             DiagnosisStudy { unproven: Some(likely), dependence: Some(depends), ..unknown() };
         let error = "An effect outside the catalogue is missing. The 2 s simulation error is 3.0 times the noise floor.";
-        let beside = "Likely, but not proven: inclined floor (slope), which lowers the held-out error by 12 %.";
+        let beside = "Likely, but not proven: inclined floor (slope), which lowers the error of held-out windows of 1 s by 12 %.";
         let depends = "The residual torque does not depend clearly on any variable that was tried; coloured noise of the \
                        recorded input and external disturbances look the same.";
         assert_eq!(sentence(&stated), format!("{error} {beside} {depends}"));
@@ -220,15 +234,19 @@ mod tests {
 
     #[test]
     fn columns_that_do_not_determine_the_model_make_no_effect_likely() {
-        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117 };
-        let stated = DiagnosisStudy { is_undetermined: true, unproven: Some(likely), ..unknown() };
-        assert_eq!(sentence(&stated), UNDETERMINED);
+        let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117, crossed: false };
+        let stated = DiagnosisStudy {
+            undetermined: Some(Undetermined::Columns),
+            unproven: Some(likely),
+            ..unknown()
+        };
+        assert_eq!(sentence(&stated), OF_COLUMNS);
         assert_eq!(stated.likely(), None);
     }
 
     #[test]
     fn an_effect_that_is_withheld_is_named_with_the_reason() {
-        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
+        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25, crossed: false };
         let stated = DiagnosisStudy {
             verdict: Verdict::ModelSufficient,
             withheld: Some((effect, Withheld::Small)),
@@ -236,13 +254,13 @@ mod tests {
         };
         let text = sentence(&stated);
         assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");
-        let end = "the held-out error falls by 25 %, but its size does not differ significantly from zero.";
+        let end = "the error of held-out windows of 1 s falls by 25 %, but its size does not differ significantly from zero.";
         assert!(text.ends_with(end), "{text}");
     }
 
     #[test]
     fn recordings_with_fewer_windows_than_parameters_are_said_to_be_too_short() {
-        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25 };
+        let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25, crossed: false };
         let short = Withheld::Short { windows: 6, parameters: 8 };
         let verdict = Verdict::ModelSufficient;
         let text =

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::undetermined::Undetermined;
 use super::{DependenceStudy, FormulaStudy, FoundEffect, ParameterStudy, UnprovenEffect};
 use crate::diagnose::{Difference, Errors, Judgement, Proposal};
 use crate::identify::Estimate;
@@ -115,16 +116,16 @@ pub struct DiagnosisStudy {
     pub effects: Vec<FoundEffect>,
     /// Formula for the residual torque, if it lowers the error.
     pub formula: Option<FormulaStudy>,
-    /// Whether the columns do not determine the model; then nothing else here is valid.
-    pub is_undetermined: bool,
+    /// Why the recordings do not determine the model; then nothing else here is valid. `None` if they do.
+    pub undetermined: Option<Undetermined>,
 }
 
 impl DiagnosisStudy {
     /// The likely effect: that of the verdict, or an additional one. None if a formula describes the residual
-    /// torque, or if the columns do not determine the model.
+    /// torque, or if the recordings do not determine the model.
     #[must_use]
     pub fn likely(&self) -> Option<&UnprovenEffect> {
-        let open = self.formula.is_none() && !self.is_undetermined;
+        let open = self.formula.is_none() && self.undetermined.is_none();
         self.unproven.as_ref().filter(|_| open || self.verdict == Verdict::EffectLikely)
     }
 }
@@ -164,6 +165,11 @@ pub struct Logging {
 pub enum Advice {
     /// The columns do not determine the model: check names and units of the columns.
     CheckColumns,
+    /// The rows are too slow for the inertias.
+    RecordFaster {
+        /// Sufficient number of rows per second.
+        rate: usize,
+    },
     /// A recording that can prove an effect.
     Prove {
         /// The likely or withheld effect.

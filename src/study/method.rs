@@ -1,5 +1,6 @@
 //! Results of the methods of an experiment.
 
+use super::undetermined::Undetermined;
 use crate::identify::{Estimate, IdentifyError, Note, Status, Trace, Unknown, Work};
 use crate::model::base::{A1, A2, A4, A5};
 
@@ -105,6 +106,24 @@ impl MethodStudy {
         let stalled = self.status == Some(Status::Stalled) && is_open(A1);
         let nothing = [A1, A2, A4, A5].into_iter().all(is_open);
         (stalled || nothing) && !self.gives_combination()
+    }
+
+    /// Why the recordings do not determine the model: its inertias may be due to the input between the rows, or the columns
+    /// do not determine them.
+    #[must_use]
+    pub fn undetermined(&self) -> Option<Undetermined> {
+        let of_columns = || self.is_undetermined().then_some(Undetermined::Columns);
+        self.undetermined_between_rows().or_else(of_columns)
+    }
+
+    /// The uncertainty of the inertias due to the input between its rows, if it is the larger part of them.
+    fn undetermined_between_rows(&self) -> Option<Undetermined> {
+        self.notes.iter().find_map(|note| match note {
+            &Note::BetweenRows { share, step_s, rate, .. } => {
+                Some(Undetermined::BetweenRows { share, step_s, rate })
+            }
+            _ => None,
+        })
     }
 
     /// Combinations of two parameters that are identifiable where neither of the two is.

@@ -11,6 +11,7 @@ mod invocation;
 mod judged;
 mod method;
 mod model;
+mod undetermined;
 mod what_if;
 
 pub use dependence::{DependenceStudy, is_most_of_it, is_plain, most_pointing};
@@ -25,6 +26,7 @@ pub use method::{Combination, FuzzyStudy, MethodStudy, Performance};
 pub use model::{
     FAR_BELOW_FLOOR, FoundEffect, Grade, ModelStudy, ParameterStudy, UnprovenEffect, parameters_of,
 };
+pub use undetermined::Undetermined;
 pub use what_if::{Start, WhatIfStudy};
 
 use serde::Serialize;
@@ -216,23 +218,23 @@ impl Study {
         Judged::of(&self.recordings).top_speed()
     }
 
-    /// Grade of the last model; `None` without a fit. If the columns do not determine the model, it is not
+    /// Grade of the last model; `None` without a fit. If the recordings do not determine the model, it is not
     /// usable, whatever its error.
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;
-        if self.is_undetermined() {
+        if self.undetermined().is_some() {
             return Some(Grade::NotUsable);
         }
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))
     }
 
-    /// Whether the columns do not determine the model.
+    /// Why the recordings do not determine the model; `None` where they do.
     #[must_use]
-    pub fn is_undetermined(&self) -> bool {
+    pub fn undetermined(&self) -> Option<Undetermined> {
         match &self.diagnosis {
-            Some(diagnosis) => diagnosis.is_undetermined,
-            None => self.reference_method().is_some_and(MethodStudy::is_undetermined),
+            Some(diagnosis) => diagnosis.undetermined,
+            None => self.reference_method().and_then(MethodStudy::undetermined),
         }
     }
 

@@ -82,8 +82,10 @@ pub struct FoundEffect {
 pub struct UnprovenEffect {
     /// Id in the catalogue.
     pub id: String,
-    /// Reduction of the held-out error with it (RMS over all windows), as a share.
+    /// Reduction of the error of held-out windows of 1 s with it (RMS over all of them), as a share.
     pub lowers: f64,
+    /// Whether no recording is held out, and parts of the training recordings were in turn.
+    pub crossed: bool,
 }
 
 /// Ratio of error to floor below which the floor is an upper bound of the effects of noise and of the input

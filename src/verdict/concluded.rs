@@ -13,8 +13,8 @@ use crate::math::correlations;
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{
-    Advice, DependenceStudy, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, UnprovenEffect,
-    Verdict, Withheld, is_plain, parameters_of,
+    Advice, DependenceStudy, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, Undetermined,
+    UnprovenEffect, Verdict, Withheld, is_plain, parameters_of,
 };
 
 /// A diagnosis compared with the noise floor of the judged recordings.
@@ -29,8 +29,8 @@ pub(super) struct Concluded<'a> {
     /// Noise floor of the judged recordings under the last model [rad/s].
     pub(super) floor: f64,
     conclusion: Conclusion,
-    /// Whether the columns do not determine the model; then nothing else is valid.
-    is_undetermined: bool,
+    /// Why the recordings do not determine the model; then nothing else is valid.
+    undetermined: Option<Undetermined>,
     likely: Option<&'a Ranked>,
     /// The candidate that lowers the held-out error without being accepted, and the reason.
     withheld: Option<(&'a Ranked, Withheld)>,
@@ -47,7 +47,7 @@ impl<'a> Concluded<'a> {
         diagnosis: &'a Diagnosis,
         basis: &'a Basis,
         floor: Option<WindowFloor>,
-        is_undetermined: bool,
+        undetermined: Option<Undetermined>,
     ) -> Result<Self, SimulateError> {
         let likelihood = Likelihood {
             prepared: basis.train.iter().map(prepare).collect(),
@@ -84,7 +84,7 @@ impl<'a> Concluded<'a> {
             errors,
             floor: floor.expected,
             conclusion,
-            is_undetermined,
+            undetermined,
             likely,
             withheld,
             differs,
@@ -97,7 +97,7 @@ impl<'a> Concluded<'a> {
     /// variable that explains more than half of it.
     pub(super) fn dependence(&self, curves: &[Curve]) -> Option<DependenceStudy> {
         let is_stated = match self.conclusion {
-            _ if self.is_undetermined => false,
+            _ if self.undetermined.is_some() => false,
             Conclusion::Unknown => self.errors.above_floor(),
             Conclusion::Missing | Conclusion::Likely => {
                 self.errors.far_above_all() || is_plain(curves)
@@ -116,24 +116,28 @@ impl<'a> Concluded<'a> {
         formula: Option<FormulaStudy>,
     ) -> Result<DiagnosisStudy, SimulateError> {
         let Self { diagnosis, basis, judge, errors, .. } = self;
-        let steps = if self.is_undetermined { &[][..] } else { &diagnosis.steps };
+        let steps = if self.undetermined.is_some() { &[][..] } else { &diagnosis.steps };
         let logging = self.logging();
+        let crossed = !diagnosis.validated;
         // if nothing is missing, no recording is recommended
         let is_open =
-            self.conclusion != Conclusion::Sufficient && !self.is_undetermined && formula.is_none();
+            self.conclusion != Conclusion::Sufficient && self.undetermined.is_none() && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
-        let next = match self.withheld {
-            _ if self.is_undetermined => vec![Advice::CheckColumns],
-            Some((ranked, why)) => vec![to_prove(ranked, why == Withheld::BetweenRows)],
-            None if is_open => advice(diagnosis, self.likely),
-            None => vec![],
+        let next = match (self.undetermined, self.withheld) {
+            (Some(Undetermined::Columns), _) => vec![Advice::CheckColumns],
+            (Some(Undetermined::BetweenRows { rate, .. }), _) => {
+                vec![Advice::RecordFaster { rate }]
+            }
+            (None, Some((ranked, why))) => vec![to_prove(ranked, why == Withheld::BetweenRows)],
+            (None, None) if is_open => advice(diagnosis, self.likely),
+            (None, None) => vec![],
         };
         Ok(DiagnosisStudy {
             verdict: self.verdict(),
             errors: *errors,
             found: steps.iter().map(|step| step.id.clone()).collect(),
-            unproven: self.likely.map(unproven),
-            withheld: self.withheld.map(|(ranked, why)| (unproven(ranked), why)),
+            unproven: self.likely.map(|ranked| unproven(ranked, crossed)),
+            withheld: self.withheld.map(|(ranked, why)| (unproven(ranked, crossed), why)),
             logging,
             differs: self.differs.clone(),
             dependence,
@@ -146,13 +150,13 @@ impl<'a> Concluded<'a> {
             false_alarm: basis.false_alarm,
             effects: steps.iter().map(found_effect).collect(),
             formula,
-            is_undetermined: self.is_undetermined,
+            undetermined: self.undetermined,
         })
     }
 
     fn verdict(&self) -> Verdict {
         match self.conclusion {
-            _ if self.is_undetermined => Verdict::UnknownEffect,
+            _ if self.undetermined.is_some() => Verdict::UnknownEffect,
             Conclusion::Sufficient => Verdict::ModelSufficient,
             Conclusion::Missing => Verdict::EffectsMissing,
             Conclusion::Likely => Verdict::EffectLikely,
@@ -190,9 +194,9 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
 }
 
 /// A candidate as an effect that is not proven.
-fn unproven(ranked: &Ranked) -> UnprovenEffect {
+fn unproven(ranked: &Ranked, crossed: bool) -> UnprovenEffect {
     let lowers = ranked.fall.map_or(0.0, |fall| 1.0 - fall.ratio);
-    UnprovenEffect { id: ranked.candidate.id.clone(), lowers }
+    UnprovenEffect { id: ranked.candidate.id.clone(), lowers, crossed }
 }
 
 /// An accepted effect with its name and cause.

@@ -12,7 +12,7 @@ pub(crate) use self::settled::Settled;
 use crate::diagnose::{Diagnosis, Settings};
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
-use crate::study::DiagnosisStudy;
+use crate::study::{DiagnosisStudy, Undetermined};
 
 /// Data for a verdict in addition to the diagnosis.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +29,9 @@ pub struct Basis<'a> {
     pub slow_moment: bool,
     /// Seed of the proposed manoeuvre.
     pub seed: u64,
-    /// Whether an estimate of the model as given stalled without an identifiable a1, although the wheels turn
-    /// in opposite directions. Unless the diagnosis identifies a1, the columns then do not determine the
-    /// model.
-    pub is_stalled: bool,
+    /// Why the recordings do not determine an estimate of the model as given. If the columns are the reason, the diagnosis
+    /// may identify a1 nevertheless.
+    pub undetermined: Option<Undetermined>,
 }
 
 impl<'a> Basis<'a> {
@@ -40,8 +39,8 @@ impl<'a> Basis<'a> {
     #[must_use]
     pub fn new(train: &'a [Recording], validation: &'a [Recording], hold: Hold) -> Self {
         let Settings { false_alarm, .. } = Settings::default();
-        let (slow_moment, seed, is_stalled) = (true, 0, false);
-        Self { train, validation, hold, false_alarm, slow_moment, seed, is_stalled }
+        let (slow_moment, seed, undetermined) = (true, 0, None);
+        Self { train, validation, hold, false_alarm, slow_moment, seed, undetermined }
     }
 
     /// The recordings on which errors are computed.

@@ -8,7 +8,7 @@ use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit, cutoff, mobility}
 use crate::model::base::A1;
 use crate::recording::Recording;
 use crate::simulate::SimulateError;
-use crate::study::DiagnosisStudy;
+use crate::study::{DiagnosisStudy, Undetermined};
 
 /// A diagnosis without effects that only approximate something outside the catalogue.
 pub(crate) struct Settled {
@@ -66,8 +66,11 @@ impl Settled {
         // contain it
         let shows = diagnosis.steps.is_empty() || curves.iter().any(|c| c.share_after.is_some());
         let curves = if shows { curves } else { &[] };
-        let is_undetermined = basis.is_stalled && !identifies_inertia(diagnosis.last());
-        let concluded = Concluded::of(&diagnosis, basis, floor, is_undetermined)?;
+        let stands = |why: &Undetermined| {
+            *why != Undetermined::Columns || !identifies_inertia(diagnosis.last())
+        };
+        let undetermined = basis.undetermined.filter(stands);
+        let concluded = Concluded::of(&diagnosis, basis, floor, undetermined)?;
         let dependence = concluded.dependence(curves);
         let tried = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
         let trial = dependence.is_some().then(tried).flatten();

@@ -16,6 +16,7 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             }
             Self::SparseColumn { share } => Kind::SparseColumn { share: real(share) },
             Self::HeldColumn { share } => Kind::HeldColumn { share: real(share) },
+            Self::SlowPair { share } => Kind::SlowPair { share: real(share) },
             Self::OwnRows { share } => Kind::OwnRows { share: real(share) },
             Self::TimeRows { rows, first } => {
                 Kind::TimeRows { rows: whole(rows), first: whole(first) }
@@ -30,6 +31,8 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::CoarseClock { tick_s, rows } => {
                 Kind::CoarseClock { tick_s: real(tick_s), rows: real(rows) }
             }
+            Self::Batches { rows } => Kind::Batches { rows: real(rows) },
+            Self::Frozen { rows, first } => Kind::Frozen { rows: whole(rows), first: whole(first) },
             Self::Stale { rows, first } => Kind::Stale { rows: whole(rows), first: whole(first) },
             Self::Wrapped { period_rad, turns } => {
                 Kind::Wrapped { period_rad: real(period_rad), turns: whole(turns) }

@@ -5,6 +5,7 @@ use crate::experiment::remark::{Remark, mirrored_question};
 use crate::experiment::remarks::opposed;
 use crate::io::PreviewColumn;
 use crate::math::correlation;
+use crate::math::noise::white_noise_variance;
 
 /// Names of a rate of turning about the vertical, letters and numbers alone.
 const TURNING: [&str; 8] = [
@@ -24,6 +25,8 @@ const CLEARER: f64 = 0.2;
 /// Part by which two speeds may differ and be the same, and of the rows in which they are (judgement).
 const SAME: f64 = 0.15;
 const OFTEN: f64 = 0.25;
+/// Rows of a block of which the noise is taken (taste).
+const BLOCK: usize = 36;
 
 /// Turns a wheel round that a measured turning rate shows to be mirrored; else asks, where the wheels turn against
 /// each other nearly always and each goes with its own input: a robot that turned on the spot looks the same.
@@ -49,7 +52,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
             correlation(pairs.filter(|(a, b)| a.is_finite() && b.is_finite()))
         };
         let (difference, sum) = (by(-1.0), by(1.0));
-        if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER {
+        if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER && is_no_veer(&w1, &w2) {
             // counter-clockwise is positive: the right wheel ahead of the left one
             let wheel = if sum > 0.0 { '2' } else { '1' };
             let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
@@ -83,6 +86,19 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         mirrored_question(share),
         scales.join(", ")
     ));
+}
+
+/// Whether the speeds as logged differ by more than those of a robot that drives straight ahead. Such a robot veers a
+/// little, in proportion to its speed: its turning rate goes with the sum of the speeds though no wheel is mirrored.
+fn is_no_veer(w1: &[f64], w2: &[f64]) -> bool {
+    let size = |sign: f64| {
+        let sums: Vec<f64> =
+            w1.iter().zip(w2).map(|(a, b)| a + sign * b).filter(|w| w.is_finite()).collect();
+        let noise = white_noise_variance(&[sums.clone()], BLOCK, 1, |_| true).unwrap_or(0.0);
+        let square = sums.iter().map(|w| w * w).sum::<f64>() / sums.len().max(1) as f64;
+        (square - noise).max(0.0).sqrt()
+    };
+    size(-1.0) > SAME * size(1.0)
 }
 
 /// Whether the wheels turn against each other at the same speed in many rows, as those of a robot that drives straight
@@ -145,6 +161,27 @@ mod tests {
             log.push(column("gyro_z", &|t| 0.3 * (speed(t)[0] - speed(t)[1])));
         }
         guess(&log)
+    }
+
+    #[test]
+    fn a_robot_that_veers_has_no_mirrored_wheel() {
+        let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
+            name: name.into(),
+            values: (0..800).map(|k| of(0.05 * f64::from(k))).collect(),
+            ..PreviewColumn::default()
+        };
+        let ripple = |t: f64| 0.2 * (7919.0 * t).sin();
+        let speed = |t: f64| 5.0 + t.sin();
+        let g = guess(&[
+            column("t", &|t| t),
+            column("right_rad_s", &|t| speed(t) + ripple(t)),
+            column("left_rad_s", &|t| speed(t) - ripple(t)),
+            column("right_A", &|t| 0.1 * speed(t)),
+            column("left_A", &|t| 0.1 * speed(t)),
+            column("gyro_z", &|t| 0.02 * speed(t)),
+        ]);
+        assert_eq!(scales(&g), [(None, false); 4]);
+        assert!(g.questions.is_empty());
     }
 
     fn scales(g: &Guess) -> Vec<(Option<f64>, bool)> {

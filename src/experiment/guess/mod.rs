@@ -156,6 +156,10 @@ type Input = ([Guessed; 2], DriveUnit);
 /// The question whether the columns of the right wheel are those of the right one, where their names have numbers
 /// or letters alone.
 fn which_is_right(columns: &[Guessed]) -> Option<String> {
+    // beside columns under the names of the program wheel 1 is the right one, as in these
+    if columns.iter().any(|c| c.name == c.key && c.key.contains("alpha")) {
+        return None;
+    }
     let named = |end: char| {
         let unsure = columns.iter().filter(|c| c.side_unsure && c.key.ends_with(end));
         unsure.map(|c| format!("`{}`", c.name)).collect::<Vec<_>>().join(", ")

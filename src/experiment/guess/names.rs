@@ -8,7 +8,7 @@ mod words;
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, WEAK, is_of_wheel, is_quantity, take_quantity};
+use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 
@@ -63,6 +63,9 @@ pub(super) fn named(name: &str) -> Named {
                 (said != "A" || !words.is_empty() || side.is_some()).then_some(of).or(quantity);
         }
     }
+    if ending.is_none() && plain.as_deref().is_some_and(|unit| PER_SECOND.contains(&unit)) {
+        ending = of_frequency(quantity, &word).and_then(unit);
+    }
     // `sec`, `millis`: a unit of time and nothing else
     let time = matches!(ending, Some(("s" | "ms" | "us" | "ns" | "min" | "h" | "d", _)));
     if quantity.is_none() && !other && time && words.is_empty() {
@@ -78,6 +81,18 @@ pub(super) fn named(name: &str) -> Named {
         _ => None,
     });
     Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+}
+
+/// The unit of a frequency, without spaces, points and signs.
+const PER_SECOND: [&str; 6] = ["1/s", "1/sec", "s1", "s^1", "s⁻¹", "/s"];
+
+/// What `1/s` of a speed is: turns a second of a word for turns, rad/s of a word for an angular speed; open of any other.
+fn of_frequency(quantity: Option<Quantity>, word: &str) -> Option<&'static str> {
+    match quantity {
+        Some(Quantity::Speed) if TURNS.contains(&word) => Some("rev/s"),
+        Some(Quantity::Speed) if !leaves_speed_open(word) => Some("rad/s"),
+        _ => None,
+    }
 }
 
 /// What stands before turns of which two are one.

@@ -22,6 +22,10 @@ pub(super) fn look(guess: &mut Guess) {
         c.unit.is_none() && c.per_turn.is_none() && c.nanoseconds.is_none() && stated(c).is_some()
     };
     let mut questions = vec![];
+    // that of the factor is the one that stands
+    let answered: Vec<String> =
+        guess.columns.iter().filter(|c| is_unknown(c)).map(Guessed::asks_unit).collect();
+    guess.questions.retain(|question| !answered.iter().any(|asks| question.starts_with(asks)));
     for one in guess.columns.iter_mut().filter(|c| is_unknown(c)) {
         let stated = stated(one).unwrap_or_default();
         let si = si(one.key, input);

@@ -33,7 +33,7 @@ impl Section for Diagnosis {
 
     fn how_to_read(&self) -> &'static str {
         "Each effect of the catalogue is added to the model separately; the criterion (BIC) compares them \
-         on the training data, and an effect is found only if it lowers the error on data that were held out."
+         on the training data, and an effect is found only if it lowers the error on data that it was not fitted to."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -82,7 +82,7 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         Some((_, accepted)) => {
             let (name, best) =
                 (words::effect_in_text(&accepted.effect), words::effect(&shown[0].effect));
-            format!("{best} fits the training data best; {name} lowers the held-out error")
+            format!("{best} fits the training data best; {name} lowers the error on data that it was not fitted to")
         }
     };
     let panel =
@@ -179,7 +179,7 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
     let columns = vec![
         Column::text("Effect"),
         Column::number("Probability", ""),
-        Column::number("p (held out)", ""),
+        Column::number("p (not fitted)", ""),
         Column::number("ΔBIC", ""),
         Column::number("2 s simulation error", "rad/s"),
         Column::number("Quality index", "rad²/s"),

@@ -7,7 +7,7 @@ use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::verdict::sentences;
-use crate::report::{format, recommendation};
+use crate::report::{format, not_determined, recommendation};
 use crate::study::{self, Grade, MethodStudy, Role, Study};
 
 /// The missing effects, with the errors as evidence and the recommended next recording.
@@ -97,6 +97,10 @@ fn numbers(study: &Study) -> Option<Block> {
         ),
         false => ("the error due to noise alone", means(grade)),
     };
+    let meaning = match study.undetermined() {
+        Some(_) => "its parameters cannot be determined from these recordings",
+        None => meaning,
+    };
     let judged = format!("on {} data; {holds}", study.judged_words());
     let is = match &study.completed {
         Some(_) => format!("{} the model is", format::capital(&words::added(study))),
@@ -136,6 +140,9 @@ fn tone(verdict: study::Verdict) -> Tone {
 
 /// The verdict without a diagnosis: the error compared with its floor, and the regimes.
 fn compared(study: &Study, error: f64) -> (Tone, String) {
+    if let Some(why) = study.undetermined() {
+        return (Tone::Bad, not_determined(why));
+    }
     let ratio = error / study.judged_floor();
     if !ratio.is_finite() {
         return (Tone::Bad, "The simulation of the fitted model diverges.".to_owned());

@@ -27,6 +27,9 @@ fn words(advice: &Advice) -> String {
              units are right: `experiment new` shows the ranges of all columns."
                 .to_owned()
         }
+        Advice::RecordFaster { rate } => {
+            format!("Record the input about ten times faster, at {rate} rows a second.")
+        }
         Advice::Prove { effect, excitation, faster } => {
             let faster = if *faster { ", at a higher rate" } else { "" };
             format!("To prove {}, record{faster}: {excitation}.", title(effect))

@@ -36,6 +36,10 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::HeldColumn { share } => {
             format!("{name} has a value in {:.1} % of the rows", percent(share))
         }
+        Kind::SlowPair { share } => format!(
+            "{name} has a new value in {:.1} % of the rows, less often than the other sensor of the wheel",
+            percent(share)
+        ),
         Kind::OwnRows { share } => {
             format!("{name} has a new value in {:.1} % of the rows", percent(share))
         }
@@ -59,6 +63,12 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::CoarseClock { tick_s, rows } => format!(
             "the time advances in steps of {} s, each with {rows:.1} rows",
             tick_s.map(|s| (1e6 * s).round() / 1e6)
+        ),
+        Kind::Batches { rows } => {
+            format!("the rows have time stamps in batches of {rows:.1} rows on average")
+        }
+        Kind::Frozen { rows, first } => format!(
+            "{name} keeps its last value in {rows} rows while the wheel is at rest (first: row {first})"
         ),
         Kind::Stale { rows, first } => format!(
             "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
@@ -176,7 +186,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
 /// The correction, unless it is disabled.
 fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
     let words = match kind {
-        Kind::MissingValues { .. } | Kind::TimeRows { .. } => "left out",
+        Kind::MissingValues { .. } | Kind::TimeRows { .. } | Kind::SlowPair { .. } => "left out",
         Kind::SparseColumn { .. } => "interpolated linearly between its values",
         Kind::HeldColumn { .. } => "each value is held until the next",
         Kind::OwnRows { .. } => {
@@ -190,6 +200,8 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::CoarseClock { .. } => {
             "treated as a coarse clock: the rows are spread evenly over its steps"
         }
+        Kind::Batches { .. } => "treated as stamps of a receiver: the rows are moved to even times",
+        Kind::Frozen { .. } => "these rows are left out",
         Kind::Stale { .. } => "replaced by the samples that came late",
         Kind::Wrapped { .. } => "unwrapped",
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",

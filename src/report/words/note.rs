@@ -139,6 +139,25 @@ impl fmt::Display for Note {
                 1e3 * late,
                 1e3 * error
             ),
+            Self::DrivingFriction(negative) => {
+                let values: Vec<_> = negative.iter().map(|(s, v)| format!("{s} = {v:.3e}")).collect();
+                write!(
+                    f,
+                    "{} is negative with its whole interval: such a friction would drive the robot. Check the signs, the \
+                     offset and the time of the input; else the model lacks an effect in whose place it stands.",
+                    values.join(", ")
+                )
+            }
+            Self::BetweenRows { symbols, share, step_s, rate } => write!(
+                f,
+                "{} not identifiable: between two rows of {step_s:.3} s the input may act by {:.0} % of the torque \
+                 that accelerates the robot. Record the input about ten times faster, at {rate} rows a second.",
+                match &symbols[..] {
+                    [one] => format!("{one} is"),
+                    several => format!("{} are", several.join(", ")),
+                },
+                100.0 * share
+            ),
             Self::BetterRegression { held_out, regression, filter } => {
                 let on = if *held_out { "held-out pieces" } else { "the training recordings" };
                 write!(

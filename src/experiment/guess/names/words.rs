@@ -22,6 +22,8 @@ const OPEN_SPEEDS: [&str; 17] = [
     "скорость",
     "速度",
 ];
+/// Words of a number of turns in a time.
+pub(super) const TURNS: [&str; 4] = ["drehzahl", "rpm", "转速", "回転数"];
 /// Words of a way, in whatever unit.
 const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
 /// Words of a sensor of angles that leave its unit open.

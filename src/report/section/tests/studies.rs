@@ -221,7 +221,7 @@ fn diagnosis() -> DiagnosisStudy {
             indistinguishable: vec![],
         }],
         formula: None,
-        is_undetermined: false,
+        undetermined: None,
     }
 }
 

@@ -1,0 +1,101 @@
+//! Sensors of the same log that refresh at different rates, where a logger repeats their last values.
+//!
+//! A row in which one of them is new and another is not claims that the other was measured there as well. Angles that
+//! refresh less often than the speeds are left out, and such speeds; of two wheels the rows are those of the slower one, in
+//! which the other stands on the line between its values. Rows go then, so that this is not for commands, which may
+//! change in any row.
+
+use super::align::{Cells, align, new_in, without_slow_pair};
+use super::cells::columns;
+use super::finding::Channel;
+use super::signal::{changes, median_high};
+use super::{Conditioned, Context, Settings};
+
+/// Leaves out sensors that are slower than others, and brings the wheels to the rows of the slower one.
+pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Context) {
+    let is_sensor = |c: Channel| matches!(c, Channel::Angle(_) | Channel::Speed(_));
+    let sensors = columns(&work.channels).into_iter().filter(|(channel, _)| is_sensor(*channel));
+    let cells: Vec<Cells> = sensors.map(|(c, v)| (c, samples(&work.channels.t, &v))).collect();
+    if !settings.rows || are_alike(&cells) {
+        return;
+    }
+    let cells = without_slow_pair(work, cells);
+    if context.commanded || are_alike(&cells) {
+        return;
+    }
+    align(work, &cells, |_| true, context.commanded);
+}
+
+/// The rows in which a sensor has measured: those in which it changes, and where it does not for longer than usual, at rest,
+/// as many rows after one another.
+fn samples(t: &[f64], values: &[f64]) -> Vec<bool> {
+    let new = new_in(t, values);
+    if new.iter().all(|new| *new) {
+        return new;
+    }
+    let changes = changes(values);
+    let every = usual(&changes).max(1);
+    let mut out = vec![false; values.len()];
+    let ends = changes.iter().skip(1).copied().chain([values.len()]);
+    for (&from, to) in changes.iter().zip(ends) {
+        // the last of them may come a row early
+        (from..to).step_by(every).filter(|k| *k == from || k + 1 < to).for_each(|k| out[k] = true);
+    }
+    out
+}
+
+/// Rows from one to the next, in the middle.
+fn usual(rows: &[usize]) -> usize {
+    median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize
+}
+
+/// Whether sensors come with new values after as many rows, in the middle.
+fn are_alike(cells: &[Cells]) -> bool {
+    let every = |(_, own): &Cells| {
+        let rows: Vec<usize> = (0..own.len()).filter(|&k| own[k]).collect();
+        usual(&rows)
+    };
+    cells.windows(2).all(|pair| every(&pair[0]) == every(&pair[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::condition;
+    use super::*;
+    use crate::recording::Channels;
+
+    /// Rows of 5 ms with sensors that refresh after so many of them.
+    fn log(every: [usize; 4]) -> Channels {
+        let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+        let read = |k: usize, n: usize| t[k - k % every[n]];
+        let angle = |t: f64| [4.0 * (1.0 - t.cos()), 3.0 * (0.7 * t).sin() / 0.7];
+        let speed = |t: f64| [4.0 * t.sin(), 3.0 * (0.7 * t).cos()];
+        let rows = 0..t.len();
+        let alpha = rows.clone().map(|k| [angle(read(k, 0))[0], angle(read(k, 1))[1]]).collect();
+        let omega = rows.map(|k| [speed(read(k, 2))[0], speed(read(k, 3))[1]]).collect();
+        let torque = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        Channels { alpha: Some(alpha), omega: Some(omega), torque, t }
+    }
+
+    #[test]
+    fn sensors_of_four_rates_stand_at_the_times_of_the_slowest() {
+        let done =
+            |every| condition(log(every), &Settings::default(), &Context::default()).unwrap();
+        let found = done([4, 6, 6, 6]);
+        let (t, omega) = (&found.channels.t, found.channels.omega.as_ref().unwrap());
+        assert!(t.windows(2).all(|w| (w[1] - w[0] - 0.03).abs() < 1e-9), "{:?}", found.findings);
+        let alpha = found.channels.alpha.as_ref().unwrap();
+        for k in 0..t.len() - 2 {
+            // chords of 20 ms: 4 h^2/8
+            assert!((omega[k][0] - 4.0 * t[k].sin()).abs() < 4e-4);
+            assert!((alpha[k][0] - 4.0 * (1.0 - t[k].cos())).abs() < 4e-4);
+        }
+        // speeds that come seldom add nothing to the angles
+        assert!(done([1, 1, 4, 4]).channels.omega.is_none());
+        assert!(done([4, 4, 1, 1]).channels.alpha.is_none());
+        // all at one rate: as they are
+        for every in [1, 4] {
+            assert_eq!(done([every; 4]).channels.alpha, log([every; 4]).alpha);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Inertias that may be made of what the input does between its rows.
+//!
+//! Over a span of rows the inertias take an impulse J Δw, and of the impulse of the input the rows show that of the lines
+//! between them. Lines between every other row show how far it may be off:
+//!
+//! ```text
+//! J Δw = (a1 Δw1 + a2 Δw2, a2 Δw1 + a1 Δw2),   D = ∫ (M by all rows - M by every other row) dt
+//! share = least of  rms D/rms J Δw  over spans of 2, 4, 8, … rows
+//! ```
+//! D is as large as the error of the lines themselves where the input changes from row to row without order, and larger where
+//! it is smooth. A fit attributes to the inertias what of that error goes with Δw: at most this share of them. White noise
+//! of the input grows with the root of the span, J Δw with the span itself, so that a fast and noisy log has a small share.
+
+use super::{Estimate, Fit, Note};
+use crate::model::base::{A1, A2, A3};
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// Share of the inertias beyond which they are not identifiable: the larger part of them may be that of the lines.
+const LARGER_PART: f64 = 0.5;
+/// How much faster the rows must come: the share falls with the interval at least, of a smooth input with its square.
+const TENFOLD: f64 = 10.0;
+/// Fewest spans that show a root mean square to a quarter of itself.
+const FEWEST: usize = 10;
+
+impl Fit {
+    /// The same with inertias that are not identifiable, and a note that says why, where the larger part of them may be
+    /// what the input of the recordings did between its rows. An input that holds from row to row is known there.
+    #[must_use]
+    pub fn between_rows(mut self, train: &[Recording], hold: Hold) -> Self {
+        let inertias: Vec<usize> =
+            [A1, A2, A3].into_iter().filter(|&j| self.is_estimated(j)).collect();
+        let of = |j: usize| self.estimates.get(j).map_or(0.0, |e| e.value);
+        let given = hold == Hold::Constant || !inertias.contains(&A1);
+        let Some(share) = (!given).then(|| share([of(A1), of(A2)], train)).flatten() else {
+            return self;
+        };
+        if share <= LARGER_PART {
+            return self;
+        }
+        for &j in &inertias {
+            let Estimate { symbol, unit, value, .. } = &self.estimates[j];
+            self.estimates[j] = Estimate::new(symbol, unit.clone(), *value, f64::INFINITY);
+            if let Some(covariance) = &mut self.covariance {
+                covariance[(j, j)] = f64::INFINITY;
+            }
+        }
+        let symbols = inertias.iter().map(|&j| self.estimates[j].symbol.clone()).collect();
+        let step_s = train.iter().map(Recording::step).fold(0.0, f64::max);
+        let rate = (TENFOLD / step_s).ceil() as usize;
+        self.notes.push(Note::BetweenRows { symbols, share, step_s, rate });
+        self
+    }
+
+    fn is_estimated(&self, j: usize) -> bool {
+        self.estimates.get(j).is_some_and(|e| e.identifiable && !e.fixed)
+    }
+}
+
+/// The share of the inertias a1 and a2 that the input between the rows of the recordings may make; `None` where too few spans
+/// show it.
+fn share([a1, a2]: [f64; 2], recordings: &[Recording]) -> Option<f64> {
+    let longest =
+        recordings.iter().flat_map(Recording::pieces).map(ExactSizeIterator::len).max()?;
+    let lengths = std::iter::successors(Some(2), |n| Some(2 * n)).take_while(|n| *n < longest);
+    let of_length = |rows: usize| {
+        let spans = recordings.iter().flat_map(|r| spans(r, rows));
+        let (mut lines, mut impulse, mut count) = (0.0, 0.0, 0);
+        for (d, dw) in spans {
+            lines += d[0].powi(2) + d[1].powi(2);
+            impulse += (a1 * dw[0] + a2 * dw[1]).powi(2) + (a2 * dw[0] + a1 * dw[1]).powi(2);
+            count += 1;
+        }
+        (count >= FEWEST && impulse > 0.0).then(|| (lines / impulse).sqrt())
+    };
+    lengths.filter_map(of_length).min_by(f64::total_cmp)
+}
+
+/// Differences of the impulse and of the speeds over spans of so many rows, an even number, in which a wheel moves.
+fn spans(r: &Recording, rows: usize) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+    let (t, torque, omega) = (r.t(), r.torque(), r.omega());
+    let starts = r.pieces().iter().flat_map(move |piece| {
+        (piece.start..piece.end).step_by(rows).filter(move |k| k + rows < piece.end)
+    });
+    let moves = move |k: usize| omega[k] != [0.0; 2] || omega[k + rows] != [0.0; 2];
+    starts.filter(move |&k| moves(k)).map(move |k| {
+        let pairs = || (k..k + rows).step_by(2);
+        let under =
+            |i: usize, a: usize, b: usize| 0.5 * (t[b] - t[a]) * (torque[a][i] + torque[b][i]);
+        let apart =
+            |i: usize, a: usize| under(i, a, a + 1) + under(i, a + 1, a + 2) - under(i, a, a + 2);
+        let of = |i: usize| pairs().map(|a| apart(i, a)).sum::<f64>();
+        ([of(0), of(1)], [0, 1].map(|i| omega[k + rows][i] - omega[k][i]))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::recording::{Channels, DriveUnit};
+    use crate::robot::Robot;
+    use nalgebra::DMatrix;
+
+    const J: f64 = 0.03;
+
+    /// Wheels of inertia J alone under cos(2 π t/period), at a step \[s\], with an input whose noise is that of every row.
+    fn recording(period: f64, step: f64, noise: f64) -> Recording {
+        let rate = std::f64::consts::TAU / period;
+        let t: Vec<f64> = (0..2000).map(|k| step * f64::from(k)).collect();
+        let speed = |t: f64| [(rate * t).sin() / (J * rate), ((rate * t).sin() + 0.2) / (J * rate)];
+        let white = |k: usize| noise * ((k * (k + 7)) as f64).sin();
+        let torque = t.iter().enumerate().map(|(k, t)| [(rate * t).cos() + white(k); 2]).collect();
+        let omega = Some(t.iter().map(|t| speed(*t)).collect());
+        let channels = Channels { torque, omega, alpha: None, t };
+        Recording::new("wheels", channels, DriveUnit::NewtonMetre).unwrap()
+    }
+
+    fn fitted(a1: f64) -> Fit {
+        let model = Model::base(Robot::amigobot());
+        let p = vec![a1, 0.0, 0.0, 0.1, 0.1];
+        Fit::physical("output_error", &model, p, DMatrix::identity(5, 5), DriveUnit::NewtonMetre)
+    }
+
+    #[test]
+    fn the_share_is_that_of_the_closed_form() {
+        // over two rows: h (M1 - (M0 + M2)/2) = h cos(rate t) (1 - cos(rate h)), J Δw = (2/rate) sin(rate h) cos(rate t)
+        let (period, step) = (1.0, 0.1);
+        let phase = std::f64::consts::TAU * step / period;
+        let closed = 0.5 * phase * (1.0 - phase.cos()) / phase.sin();
+        let of = share([J, 0.0], &[recording(period, step, 0.0)]).unwrap();
+        assert!((of / closed - 1.0).abs() < 1e-9, "{of} {closed}");
+        // half of the inertia has twice the share
+        let half = share([0.5 * J, 0.0], &[recording(period, step, 0.0)]).unwrap();
+        assert!((half / of - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn inertias_of_an_input_that_the_rows_miss_are_not_identifiable() {
+        // three periods between two rows and a bit
+        let missed = fitted(J).between_rows(&[recording(1.0, 3.27, 0.0)], Hold::Linear);
+        let known = |fit: &Fit| fit.estimates.iter().map(|e| e.identifiable).collect::<Vec<_>>();
+        assert_eq!(known(&missed), [false, false, false, true, true]);
+        assert!(
+            matches!(&missed.notes[..], [Note::BetweenRows { symbols, .. }] if symbols.len() == 3)
+        );
+        let held = fitted(J).between_rows(&[recording(1.0, 3.27, 0.0)], Hold::Constant);
+        assert!(held.notes.is_empty());
+        // 200 Hz, and noise of the input as large as the input itself
+        let seen = fitted(J).between_rows(&[recording(1.0, 0.005, 1.0)], Hold::Linear);
+        assert_eq!(known(&seen), [true; 5]);
+    }
+}

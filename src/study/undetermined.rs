@@ -1,0 +1,17 @@
+//! Why recordings do not determine a model.
+
+/// Why recordings do not determine a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Undetermined {
+    /// The columns do not: they are others than those of wheels and of their input.
+    Columns,
+    /// The larger part of the inertias may be made of what the input does between its rows.
+    BetweenRows {
+        /// Largest share of them.
+        share: f64,
+        /// From row to row \[s\].
+        step_s: f64,
+        /// Rows a second that would do.
+        rate: usize,
+    },
+}
