@@ -37,7 +37,9 @@ pub(super) fn without_slow_pair(work: &mut Conditioned, cells: Vec<Cells>) -> Ve
         let of_kind = |c: &&Cells| [kind(0), kind(1)].contains(&c.0);
         cells.iter().filter(of_kind).map(|(_, own)| own.iter().filter(|o| **o).count()).min()
     };
-    let (Some(angles), Some(speeds)) = (of(Channel::Angle), of(Channel::Speed)) else { return cells };
+    let (Some(angles), Some(speeds)) = (of(Channel::Angle), of(Channel::Speed)) else {
+        return cells;
+    };
     let (slow, other, kind): (_, _, fn(usize) -> Channel) = if angles < speeds {
         (angles, speeds, Channel::Angle)
     } else {

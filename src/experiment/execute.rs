@@ -324,7 +324,8 @@ fn verdict(study: &Study) -> String {
             )
         }
         _ => {
-            let unknown = study.undetermined().map_or(String::new(), |why| not_determined(why) + " ");
+            let unknown =
+                study.undetermined().map_or(String::new(), |why| not_determined(why) + " ");
             format!(
                 "{unknown}2 s simulation error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
                 method.name

@@ -118,8 +118,9 @@ impl<'a> Concluded<'a> {
         let logging = self.logging();
         let crossed = !diagnosis.validated;
         // where nothing is missing there is nothing to record
-        let is_open =
-            self.conclusion != Conclusion::Sufficient && self.undetermined.is_none() && formula.is_none();
+        let is_open = self.conclusion != Conclusion::Sufficient
+            && self.undetermined.is_none()
+            && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
         let next = match (self.undetermined, self.withheld) {
             (Some(Undetermined::Columns), _) => vec![Advice::CheckColumns],

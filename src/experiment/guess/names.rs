@@ -8,7 +8,9 @@ mod words;
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-use self::words::{BATTERY, OTHERS, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
+use self::words::{
+    BATTERY, OTHERS, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity,
+};
 pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 

@@ -82,7 +82,9 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         Some((_, accepted)) => {
             let (name, best) =
                 (words::effect_in_text(&accepted.effect), words::effect(&shown[0].effect));
-            format!("{best} fits the training data best; {name} lowers the error on data that it was not fitted to")
+            format!(
+                "{best} fits the training data best; {name} lowers the error on data that it was not fitted to"
+            )
         }
     };
     let panel =
