@@ -13,7 +13,6 @@ use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::windows::Windows;
 use crate::effects::Scale;
-use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
@@ -135,8 +134,7 @@ fn by_simulation(
         step_of(&windows, &fit, j).unwrap_or(f64::INFINITY)
     });
     let sampling = 0.5 * BETWEEN_ROWS.powi(2) * (moved[0].powi(2) + moved[1].powi(2));
-    let variance = variance(&windows, &fit, j);
-    let std_error = (variance + sampling).sqrt();
+    let std_error = (fit.covariance[(j, j)] + sampling).sqrt();
     let found = !fit.at_bound[j] && std_error.is_finite() && std_error > 0.0;
     Some(ShiftFit { shift: found.then_some((fit.p[j], std_error)), error })
 }
@@ -197,25 +195,6 @@ pub(super) fn over_windows<'a>(
     let all = Windows::new(recordings.to_vec(), hold, model, p);
     let every = all.windows.len().div_ceil(WINDOWS).max(1);
     all.only(|n| n % every == 0).sampled(model, p)
-}
-
-/// Variance of parameter `j` of a fit; with too few windows for the variance of their scores, the one due to their noise,
-/// scaled by the ratio of their errors to it.
-fn variance(windows: &Windows, fit: &WindowFit, j: usize) -> f64 {
-    if !fit.is_short() {
-        return fit.covariance[(j, j)];
-    }
-    let free = fit.model.free();
-    let place = free.iter().position(|&k| k == j);
-    let Some((n, quadratic)) = place.zip(windows.quadratic(&fit.model, &fit.p, &free)) else {
-        return f64::INFINITY;
-    };
-    let known = Information::new(&quadratic.hessian);
-    if known.unidentifiable().contains(&n) {
-        return f64::INFINITY;
-    }
-    let above = 2.0 * fit.cost / windows.values() as f64;
-    known.inverse()[(n, n)] * above.max(1.0)
 }
 
 /// Change of parameter `j` of a fit by one Gauss-Newton step on other windows.
