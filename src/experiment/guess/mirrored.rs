@@ -94,7 +94,8 @@ fn is_no_veer(w1: &[f64], w2: &[f64]) -> bool {
     let size = |sign: f64| {
         let sums: Vec<f64> =
             w1.iter().zip(w2).map(|(a, b)| a + sign * b).filter(|w| w.is_finite()).collect();
-        let noise = white_noise_variance(&[sums.clone()], BLOCK, 1, |_| true).unwrap_or(0.0);
+        let noise =
+            white_noise_variance(std::slice::from_ref(&sums), BLOCK, 1, |_| true).unwrap_or(0.0);
         let square = sums.iter().map(|w| w * w).sum::<f64>() / sums.len().max(1) as f64;
         (square - noise).max(0.0).sqrt()
     };
