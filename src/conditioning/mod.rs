@@ -110,8 +110,9 @@ pub fn condition(
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     stale::rows(&mut work, settings);
-    spikes::sensors(&mut work, settings);
+    // the first value behind a rest stands alone among faster ones, as an outlier does
     frozen::rows(&mut work, settings);
+    spikes::sensors(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);
     sensors::still(&work, settings)?;

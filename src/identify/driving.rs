@@ -5,8 +5,8 @@ use crate::effects::Energy;
 use crate::model::Model;
 
 impl Fit {
-    /// The same with a note on estimates of frictions of `model` that are negative with their whole intervals: an effect that
-    /// takes energy out cannot, and something else is wrong.
+    /// The same with a note on friction parameters of `model` whose whole interval is negative: such an effect would not
+    /// dissipate energy, so something else is wrong.
     #[must_use]
     pub fn driving_frictions(mut self, model: &Model) -> Self {
         let dissipates = |id: &str| {

@@ -21,8 +21,8 @@ const FAILS: f64 = 1.5;
 /// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
 /// on the very pieces that it was made from (both have the same parameters, so that neither fits
 /// better by having more) is not taken whatever is left out. A kind of motion that was driven once cannot be predicted
-/// from the others: where the regression errs by one half more on what was left out than with all pieces, only the errors
-/// with all pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is
+/// from the others: if the error of the regression is larger by one half on held-out pieces than with all pieces, only the
+/// errors with all pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is
 /// kept hold the disagreement of the two.
 pub(super) fn better(
     (task, rows): (&Task, Option<Regression>),
