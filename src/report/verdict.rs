@@ -16,7 +16,8 @@ pub(crate) use self::effects::title;
 pub use self::evidence::evidence;
 pub use self::next::recommendation;
 
-/// The text of a verdict: its [`sentences`], joined.
+/// The text of a verdict: the missing effects with the remaining error; likely further effects; the
+/// dependence of the residual torque, and a formula for it.
 #[must_use]
 pub fn sentence(diagnosis: &DiagnosisStudy) -> String {
     sentences(diagnosis).join(" ")
