@@ -6,8 +6,9 @@
 //! ```text
 //! turned = |w| (time that the value stands)
 //! ```
-//! A value that stands for many times that angle, while the input drives less than half as hard as it does at such a speed,
-//! and from which the next one is far away, is of a wheel at rest. Its rows say when the wheel moved again, and no speed.
+//! A value that corresponds to many times that angle, while the input is less than half of that at such a speed, is the last
+//! one before a rest, if it is close to the value before it (an outlier is not) and far from the next one. Its rows contain
+//! the time at which the wheel moves again, and no speed.
 
 use std::ops::Range;
 
@@ -62,11 +63,14 @@ fn frozen(work: &Conditioned, i: usize) -> Vec<Range<usize>> {
     let is_frozen = |run: &&Range<usize>| {
         let inner = run.start + 1..run.end;
         let mean = inner.clone().map(drives).sum::<f64>() / inner.len().max(1) as f64;
-        let next = speed.get(run.end).map_or(f64::INFINITY, |next| (next - speed[run.start]).abs());
+        let value = speed[run.start];
+        let next = speed.get(run.end).map_or(f64::INFINITY, |next| (next - value).abs());
+        let last = run.start.checked_sub(1).map_or(0.0, |k| (speed[k] - value).abs());
         run.len() >= ROWS
             && turned(run) > LONG * usual
             && mean < HALF * input
-            && next > HALF * speed[run.start].abs()
+            && last < HALF * value.abs()
+            && next > HALF * value.abs()
     };
     moving().filter(is_frozen).map(|run| run.start + 1..run.end).collect()
 }
