@@ -227,7 +227,7 @@ impl<'a> Search<'a> {
         ranked
     }
 
-    /// The two looks of the screening at what `model` at `p` leaves.
+    /// The two tests of the screening, on the residuals of `model` at `p`.
     fn look<'b>(&'b self, model: &'b Model, p: &'b [f64]) -> Look<'b> {
         let by_torque = Regression::new(model, p, &self.smoothed, self.scale.speed);
         (by_torque, Screen::new(model, p, &self.windows, self.degrees))

@@ -26,17 +26,17 @@ pub struct SpeedFilter {
     pub or_late: bool,
 }
 
-/// The low-pass behind which the speeds of `recordings` were recorded, with a model at `p`. `None` where angles were
-/// recorded too, which show it by themselves, where the model follows the speeds without one or with the dead time
-/// alone, and where a late actuator explains them better by more than chance: what a sensor may do is not taken for the robot.
+/// The low-pass filter of the sensor through which the speeds of `recordings` passed, with a model at `p`. `None` if angles
+/// were recorded too (they determine it directly), if the model agrees with the speeds without a filter or with the dead
+/// time alone, or if a late actuator explains them significantly better.
 ///
 /// ```text
 /// T w_r' = w - w_r          w: speed of the wheel, w_r: as recorded
-/// w = w_r + T w_r'          to which the model is fitted at every T
-/// e = w_r - F(w_simulated)  by which it is compared, F: the low-pass
+/// w = w_r + T w_r'          the model is fitted to w at every T
+/// e = w_r - F(w_simulated)  error of the comparison, F: the low-pass filter
 /// ```
-/// A lag of the input and one of the sensor commute where everything is linear. Friction does not: behind the sensor's
-/// low-pass it acts late as well.
+/// A lag of the input and one of the sensor commute in a linear system. Friction distinguishes them: after a low-pass
+/// filter of the sensor it appears delayed as well.
 #[must_use]
 pub fn speed_filter(
     model: &Model,
@@ -158,9 +158,10 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Squared innovations, without noise of the input, by each effect that makes the actuator late, from about
-    /// `time` on; beside the time of the input, as behind the low-pass, but for a delay, which is one. From the parameters
-    /// found behind the low-pass: a fit to late speeds takes much of the time for inertia.
+    /// Squared innovations, without noise of the input, with each effect that delays the actuator, starting at about
+    /// `time`. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
+    /// equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
+    /// attributes much of the delay to the inertia.
     fn late_actuators(&self, time: f64) -> Vec<Vec<f64>> {
         let before = self.before(time);
         let found = self.fitted(&before).map_or_else(|| self.p.to_vec(), |behind| behind.fit.p);

@@ -290,7 +290,7 @@ fn angles_alone_give_the_timing_of_a_robot_that_answers_within_a_row() {
 }
 
 /// Recordings of 40 s at 50 Hz of a heavy robot whose controller holds its torque from row to row and follows a speed
-/// that jumps about once a second: between the jumps every other row says all, at a jump it says little.
+/// that jumps about once a second: between the jumps every other row contains all information, at a jump little of it.
 fn under_steps(model: &Model, p: &[f64], seed: u32) -> Recording {
     let targets = [3.0, -2.0, 4.0, 1.0, -4.0, 0.0, 2.5, -3.0];
     let target = |k: u32, every: u32| targets[((k / every + seed) % 8) as usize];

@@ -29,11 +29,11 @@ const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
 
-/// Inverts the information of the free parameters (scaled to unit diagonal) and says which are
-/// not identifiable, which combination of two is instead, and which motion would help.
+/// Inverts the information of the free parameters (scaled to unit diagonal) and determines which are
+/// not identifiable, which combination of two is identifiable instead, and which motion identifies them.
 ///
 /// `values` has one entry a parameter; `information` is that of all parameters. A `given`
-/// covariance takes the place of the inverse information where the data give something.
+/// covariance replaces the inverse information for identifiable parameters.
 pub(super) fn identified(
     model: &Model,
     values: &[f64],

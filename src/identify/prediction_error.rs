@@ -38,24 +38,23 @@ use interval::{Spread, of_scores, spread};
 /// δθ = H⁻¹ g,  g = Σ ψ e/S,  H = Σ ψ ψ'/S,   ψ: derivative of the prediction
 /// R_angle = s_a² + q T⁴/(4 D),  R_speed = s_w² + q T²/D,  q = s_M² D/a1²
 /// ```
-/// T = 0 is maximum likelihood with the noise that the channels show: it reaches the Cramér-Rao
-/// bound where the model is right. The longer the horizon, the nearer it comes to the fit of a free
-/// simulation, which is better where the model lacks something. With `horizon_s = "auto"` the
-/// horizon is the one whose fit best simulates, over 2 s, pieces of the training data that it has
-/// not seen; T = 0 unless another is better by more than one paired standard error. A regression
-/// that is better still takes its place, and is named. Where noise of the input would bias the
-/// maximum-likelihood fit by more than its standard error (light robots with much friction), or
-/// its innovations are twice as large as noise makes them, horizons begin at 0.2 s; in the second case
-/// noise of the input is taken to be the same in all rows. Intervals come from the scores of blocks, with
-/// Student's t, and hold where the model is wrong too. Parameters that the data do not identify are
-/// held where the model starts. In the second case above they also hold the disagreement with the regression of
-/// torques. Of a single axis, written down as two equal wheels, the sums over
-/// both are estimated.
+/// T = 0 is maximum likelihood with the noise levels of the channels; it reaches the Cramér-Rao
+/// bound if the model is correct. With increasing horizon the fit approaches that of a free
+/// simulation, which is better if the model is incomplete. With `horizon_s = "auto"` the
+/// horizon is chosen by cross-validation of the 2 s simulation error over pieces of the training data;
+/// T = 0 is kept unless another horizon is better by more than one paired standard error. If a regression of
+/// torques is better still, its values are used, and a note states this. If noise of the input would bias the
+/// maximum-likelihood fit by more than its standard error (light robots with much friction), or if
+/// the innovations are twice as large as the noise explains, the horizons begin at 0.2 s; in the second case
+/// the noise of the input is assumed equal in all rows, and the intervals include the disagreement with the regression
+/// of torques. Intervals are computed from the scores of blocks with Student's t, and are valid for an incomplete model
+/// too. Unidentifiable parameters are fixed at their initial values. For a single axis that is mapped to both wheels,
+/// sums over both wheels are estimated.
 ///
-/// The filter's step is that of the simulation: input in straight lines, stops and reversals
-/// located inside the row. A shift in time between input and motion, up to half a row, is
-/// estimated along, but in a model with a delay, which would be the same. Shapes of a regression that takes the place
-/// are those of the filter, with their errors.
+/// The step of the filter is that of the simulation: the input is interpolated linearly, stops and reversals are
+/// located within the row. A time shift between input and motion, up to half a row, is
+/// estimated with the parameters, except in a model with a delay, which is equivalent. The shape parameters of a regression
+/// whose values are used are those of the filter, with their standard errors.
 ///
 /// Source: Ljung, System Identification (1999), ch. 7 (prediction error), ch. 9 (sandwich); Kristensen,
 /// Madsen and Jørgensen, Automatica 40 (2004) for the filter. The horizon is derived here.

@@ -123,8 +123,8 @@ impl Search<'_> {
         fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// All parameters estimated anew with the time of the input at `shape`: a fit without it has bent the others
-    /// as far as they make up for it (a long lag looks like inertia), and no descent leads back from there.
+    /// Initial values estimated with the time of the input at `shape`: in a fit without it the other parameters
+    /// compensate for it (a long lag resembles inertia), and a descent from there ends in another minimum.
     fn anew(&self, model: &Model, shape: &Candidate) -> Option<Vec<f64>> {
         let first = model.parameters().len() - shape.p.len();
         let own = shape.p.iter().enumerate();

@@ -39,14 +39,14 @@ impl Search<'_> {
 }
 
 impl Search<'_> {
-    /// Probability of a shift as large on held-out recordings, where it is estimated anew, if the input acted no later
+    /// Probability of a shift as large as that estimated on the held-out recordings, if the input acted no later
     /// than logging explains (one-sided t).
     ///
     /// ```text
     /// t = (T - T_l)/se,   T_l: what logging explains,   m - p degrees of freedom: windows, free parameters
     /// ```
-    /// A fall of the error would ask for a shift beyond half of the way to the one that was fitted: a window whose error
-    /// would be least there has the same error at both ends.
+    /// A reduction of the error would only require more than half of the fitted shift: a window whose error is least
+    /// there has the same error without the shift and with all of it.
     pub(super) fn probability_of_logging(&self, after: &WindowFit) -> f64 {
         let Some(held) = &self.held else { return 1.0 };
         let Some(e) = shifts(&after.model).next_back() else { return 1.0 };

@@ -262,18 +262,18 @@ impl Search<'_> {
         out
     }
 
-    /// How many steps follow each other from the first of `fits` whose errors that are `shown` fall, each by
-    /// more than the sampling of the input leaves open. One that [`Change::acts_between_rows`] can take the place
-    /// of all that [`Judge::between_rows`] allows.
+    /// Number of consecutive steps from the first of `fits` that reduce the reported error `shown`, each by more than
+    /// the error due to the sampling of the input. For an effect that [`Change::acts_between_rows`] the limit is
+    /// [`Judge::between_rows`], the largest error that the input between the rows can cause.
     ///
     /// [`Judge::between_rows`]: crate::diagnose::Judge::between_rows
     ///
     /// ```text
     /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
     /// ```
-    /// Whatever the sampling makes is still there with an effect that is real: it is no more than what that leaves. An
-    /// effect that stood in for it would have to take the larger part. A shift, which acts in the few windows in which
-    /// the input changes, needs no more than the share that is worth it, and behind it at the floor none.
+    /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
+    /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few windows
+    /// in which the input changes: it must only exceed the least share, and nothing if the error is then at the floor.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);

@@ -64,9 +64,9 @@ impl Held {
         Some(())
     }
 
-    /// Holds a2 at zero, the inertias of a mass that is spread over the track, where a robot with those of `chosen` turns
-    /// as none does; whether it did. Where something that the model lacks keeps a robot from turning, as tyres that
-    /// scrub, no torque turns it but for an inertia without end.
+    /// Fixes a2 at zero, as for a mass distributed over the track, if the inertia of turning of `chosen` is larger than that
+    /// of any robot; returns whether it did. If a resistance that is missing in the model prevents the robot from turning
+    /// (tyres that scrub), the estimated inertia of turning grows without limit.
     ///
     /// ```text
     /// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
