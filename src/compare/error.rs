@@ -13,7 +13,7 @@ pub(crate) const WINDOW: f64 = 2.0;
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// Free simulation, one state a sample; starts anew behind a gap.
+    /// Free simulation, one state per sample; restarted after a gap.
     pub free: Vec<State>,
     /// Simulation over windows of 2 s, each started from the local motion.
     pub windows: Vec<State>,

@@ -1,7 +1,7 @@
-//! Rows that the logger wrote before the sensors had a new value, in a log whose rows come about as often.
+//! Rows that the logger wrote before the sensors had a new value, in a log with about the same rate as the sensors.
 //!
-//! Two clocks of the same period that drift against each other (a loop of 20 ms that reads messages of 20 ms): now and
-//! then a row repeats the last value, the rows behind it are one sample late, and another row skips a sample and is in
+//! Two clocks of the same period drift against each other (a loop of 20 ms that reads messages of 20 ms): occasionally
+//! a row repeats the last value, the following rows are one sample late, and another row skips a sample and is in
 //! time again.
 //!
 //! ```text

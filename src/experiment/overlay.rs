@@ -8,7 +8,7 @@ use crate::math::sgn;
 use crate::recording::{LocalMotion, Recording};
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
 
-/// A recording beside its simulations, as a table of numbers with one row a sample.
+/// A recording with its simulations, as a table of numbers with one row per sample.
 ///
 /// | column | what | unit |
 /// |---|---|---|

@@ -48,14 +48,14 @@ pub(crate) struct Piece {
     blocks: usize,
 }
 
-/// The filter over recordings with noise as the channels show it.
+/// The filter over recordings with the noise levels of the channels.
 ///
 /// ```text
 /// R_angle = s_a² + q T⁴/(4 D),   R_speed = s_w² + q T²/D,   q = s_M² D / a1²
 /// ```
 /// D is the interval between new measured values, T the horizon: the time over which noise of the
-/// input moves the robot as far as the measurement is then trusted. T = 0 is maximum likelihood.
-/// Nothing of the noise is estimated, so that it cannot absorb what the model lacks.
+/// input causes an error equal to the assumed measurement error. T = 0 is maximum likelihood.
+/// The noise levels are not estimated, so they cannot absorb missing effects.
 ///
 /// What the input does between its rows is noise of each row. With `alike` and a horizon it is the same
 /// in all rows of all recordings, the mean of it in s_M: where the model is known to be wrong, rows in which the input

@@ -82,7 +82,7 @@ pub fn make_folder(path: &Path) -> Result<(), IoError> {
     fs::create_dir_all(path).map_err(|e| IoError::system(path, &e))
 }
 
-/// Writes a file as a whole: into a temporary one beside it, which then takes its place.
+/// Writes a file atomically: into a temporary file in the same folder, which is then renamed.
 ///
 /// # Errors
 /// A folder that cannot be written.

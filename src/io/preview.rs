@@ -11,7 +11,7 @@ use super::{IoError, csv, parquet};
 pub struct PreviewColumn {
     /// Name in the file.
     pub name: String,
-    /// Values in order, of a signal with stamps of its own those of its own.
+    /// Values in order; a signal with separate time stamps has its own number of values.
     pub values: Vec<f64>,
     /// The words of a column that holds a few and no numbers.
     pub words: Vec<String>,

@@ -1,10 +1,10 @@
-//! Logs of text that are no plain CSV: another encoding, words above the table, columns parted by spaces,
+//! Text logs that are not plain CSV: other encodings, text above the table, columns separated by spaces,
 //! a header in a comment or none, the time of a serial monitor before each line, a record of `name=value`, of JSON or
 //! of words and numbers in every line, lines of several kinds, messages of YAML.
 //!
 //! The table is the first run of lines that have the same number of cells, most of them numbers. Its
-//! names stand in the line above, if need be behind a line of units or a comment sign (as `savetxt` of
-//! numpy writes them); without any they are `column1`, `column2`, ….
+//! names are in the line above, possibly followed by a line of units or preceded by a comment sign (as `savetxt` of
+//! numpy writes them); without names they are `column1`, `column2`, ….
 
 mod blocks;
 mod can;

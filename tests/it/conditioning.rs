@@ -145,7 +145,7 @@ fn recordings_in_place_of_a_file_run_and_leave_no_file_unless_it_is_named() {
         .run(&["run", "a.csv", "b.csv", "-o", "mine.toml"])
         .says(0, &["reports/mine/report.html"]);
     assert!(folder.read("mine.toml").contains("preset = \"unknown\""));
-    // what cannot be guessed is asked, and the file says what is open
+    // the file asks for everything that cannot be determined
     folder.write("c.csv", odd(&rows).replace("curR;curL", "foo;bar"));
     folder.run(&["c.csv"]).says(2, &["which columns hold the torques", "experiment new c.csv"]);
     folder.run(&["new", "c.csv"]).says(0, &["to be completed"]);

@@ -42,7 +42,7 @@ fn a_run_of_one_file_lists_all_results_of_the_folder_once_there_are_several() {
     assert!(!folder.has("reports/index.html"), "one experiment has no index");
     folder.run(&["second.toml"]).says(0, &[]);
     assert!(row(&folder, "first").contains("noise floor"));
-    // a run anew is seen in its row, and the other stays
+    // a repeated run changes its row, and not the other
     folder.write("first.toml", single().replace("A single run", "Another title"));
     folder.run(&["first.toml"]).says(0, &[]);
     assert!(row(&folder, "first").contains("Another title"));

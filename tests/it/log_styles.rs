@@ -2,7 +2,7 @@
 
 use crate::support::{Folder, Row, motion};
 
-/// A log in a file of that name: what `new` says of it, and what `check` says once the answers are given.
+/// A log in a file of that name: output of `new`, and of `check` with these answers.
 pub(crate) fn asked(file: &str, log: &str, words: &[&str], answers: &[&str]) {
     let folder = Folder::new();
     folder.write(file, log);

@@ -63,8 +63,8 @@ fn title(dom: &str) -> serde_json::Value {
     serde_json::from_str(title).unwrap_or_else(|e| panic!("{title}: {e}"))
 }
 
-/// Zooms the first figure and reads the places at the left edge of the others, hides a curve, switches the
-/// model, replays a recording; the answers stand in the title.
+/// Zooms the first figure and reads the positions at the left edge of the others, hides a curve, switches the
+/// model, replays a recording; writes the results into the title.
 const PROBE: &str = r##"<script>
 const figure = (name) => document.querySelector("#figure-" + name);
 const canvas = (name) => figure(name).querySelector("canvas");

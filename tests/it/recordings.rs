@@ -44,7 +44,7 @@ fn found(d: &Value) -> Vec<&str> {
     d["found"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect()
 }
 
-/// The first effect found is the one that was hidden, and the verdict says that one is missing.
+/// The first effect found is the hidden one, and the verdict is that an effect is missing.
 fn names_first(name: &str) {
     let Some(d) = diagnosis(name) else { return };
     assert_eq!(d["verdict"], "effects_missing", "{}", d["sentence"]);

@@ -3,13 +3,13 @@
 use super::guessed::Candidate;
 use super::names::{Named, Quantity, Side, WISHED};
 
-/// Reads names anew that mean something else beside others, and returns the questions on them.
+/// Reinterprets names whose meaning depends on the other names, and returns the questions on them.
 ///
 /// ```text
-/// right_p, right_i, right_d      the terms of a controller, and i no current
-/// current_right, target_right    the present value of what is set, and no electric current
-/// v_right, pwm_right             a speed, and no second voltage
-/// ctrl_right                     what the motor was told, where no other column says it
+/// right_p, right_i, right_d      terms of a controller; i is no current
+/// current_right, target_right    present value and set-point; no electric current
+/// v_right, pwm_right             a speed and an input; v is no voltage
+/// ctrl_right                     command of the motor, if no other column is one
 /// ```
 pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
     controller_terms(all);

@@ -28,8 +28,8 @@ const OFTEN: f64 = 0.25;
 /// Rows of a block of which the noise is taken (taste).
 const BLOCK: usize = 36;
 
-/// Turns a wheel round that a measured turning rate shows to be mirrored; else asks, where the wheels turn against
-/// each other nearly always and each goes with its own input: a robot that turned on the spot looks the same.
+/// Inverts a wheel that is mirrored according to a measured turn rate. Without one it asks, if the wheels nearly always
+/// turn in opposite directions, each in that of its input: a robot that turned on the spot gives the same data.
 pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |guess: &Guess, key: &str| {
         let one = guess.columns.iter().find(|c| c.key == key)?;

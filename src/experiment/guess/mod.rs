@@ -64,7 +64,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| counts::are(columns, c));
         angles = pairs.bare(ANGLES).filter(counts);
         if angles.is_none() && !inputs.is_empty() {
-            // beside an input they are what moves, in a unit that is asked for
+            // with an input present they are speeds, in a unit that is asked for
             speeds = pairs.bare(SPEEDS);
         }
     }
@@ -143,7 +143,7 @@ impl Axis {
 const ANGLES: [&str; 2] = ["alpha1", "alpha2"];
 const SPEEDS: [&str; 2] = ["dalpha1", "dalpha2"];
 const INPUT: [&str; 2] = ["M1", "M2"];
-/// What an input may be, the one that says most first.
+/// Possible inputs, the most informative first.
 const INPUTS: [(Quantity, DriveUnit); 3] = [
     (Quantity::Torque, DriveUnit::NewtonMetre),
     (Quantity::Current, DriveUnit::Ampere),

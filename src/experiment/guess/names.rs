@@ -122,8 +122,8 @@ fn take_half(words: &mut Vec<String>, unit: Option<&str>) -> bool {
     is_half
 }
 
-/// Whether a name is that of the voltage of the battery: it says volts, or says the battery and nothing else. The
-/// values then must be those of a battery.
+/// Whether a name denotes the battery voltage: it contains volts, or only the battery. The values must then be those
+/// of a battery.
 fn is_battery(words: &[String], unit: Option<&str>) -> bool {
     let is_volt =
         |w: &String| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat" | "vbatt");
@@ -135,8 +135,8 @@ fn is_battery(words: &[String], unit: Option<&str>) -> bool {
         }
 }
 
-/// Whether the unit behind a name says more than its word: the speed of `position_rpm`, what is not the input of
-/// `left_motor_rpm`, and any quantity beside a single letter.
+/// Whether the unit after a name takes precedence over its word: `position_rpm` is a speed, `left_motor_rpm` is no
+/// input, and a single letter has no precedence over any unit.
 fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
     match quantity {
         None => true,

@@ -140,8 +140,8 @@ fn keyed(name: &str, key: &str) -> String {
     }
 }
 
-/// The columns that hold numbers, behind the first, which is the time. One joint is behind the other, and each has
-/// these quantities in order.
+/// The numeric columns after the first, which is the time. The joints follow each other, each with these quantities in
+/// order.
 fn with_numbers(columns: Columns, quantities: &[&String]) -> Columns {
     if quantities.is_empty() {
         return columns;

@@ -1,5 +1,4 @@
-//! Names above a table: in a line, in two of them, in comments, behind a line of units; and what a header says of the
-//! time.
+//! Names above a table: in one line or two, in comments, above a line of units; and statements of a header on the time.
 
 use super::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
@@ -97,7 +96,7 @@ impl Above<'_> {
         None
     }
 
-    /// Names with their units, which may stand somewhere in the preamble behind a word that says so, and the groups of
+    /// Names with their units, which may be given anywhere in the preamble after a keyword, and the groups of
     /// the line above them.
     fn completed(&self, k: usize, cells: &[String], units: Option<Vec<String>>) -> Vec<String> {
         let above = || self.lines[..k].iter().rev().map(|line| self::cells(line, self.separator));

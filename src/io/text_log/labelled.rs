@@ -82,9 +82,9 @@ impl Line {
     }
 }
 
-/// Whether nearly all of the first lines, behind a preamble, are of a few kinds of words and numbers, and read better
-/// so than as a table: where there is none, or one without a header in which labels stand in columns of their own or
-/// at the numbers, or lines of several kinds alternate.
+/// Whether nearly all of the first lines after a preamble are of a few kinds of words and numbers, and are not better read
+/// as a table: there is no table, or one without a header that has labels in separate columns or attached to the
+/// numbers, or lines of several kinds alternate.
 pub(super) fn is_one(lines: &[&str], table: Option<&Table>) -> bool {
     if table.is_some_and(|table| table.header.is_some()) || table.is_none() && is_headed(lines) {
         return false;
@@ -140,7 +140,7 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     found.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
     let again = || found.iter().filter(|(kind, _)| counts[kind.as_str()] > 1).map(|(_, line)| line);
-    // a tag in capitals before every line, `INFO` or `PID`, says nothing, nor does the name of a logger behind a level; other
+    // a tag in capitals before every line (`INFO`, `PID`) and the name of a logger after a level carry no information; other
     // words may be the quantity
     let first = again().next().map_or("", |line| &line.head);
     let is_level = first.split_whitespace().next().is_some_and(|word| LEVELS.contains(&word));
@@ -227,8 +227,8 @@ fn items(text: &str) -> Option<Vec<Item<'_>>> {
     Some(items)
 }
 
-/// What stands before one side stands before the other as well, and the unit behind the other behind it: `wheel vel L: 3
-/// R: 4 rad/s`.
+/// Applies the words before the first side to the second one, and the unit after the second side to the first: `wheel vel
+/// L: 3 R: 4 rad/s`.
 fn share_words<'a>(items: &mut [Item<'a>]) {
     let side = |word: &str| SIDES.iter().position(|side| word.eq_ignore_ascii_case(side));
     for k in 1..items.len() {

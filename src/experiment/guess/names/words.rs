@@ -332,7 +332,7 @@ pub(in crate::experiment::guess) fn leaves_angle_open(word: &str) -> bool {
     word.is_empty() || SENSORS.contains(&word) || is_place(word)
 }
 
-/// Whether a word says a way, in whatever unit.
+/// Whether a word denotes a distance, in any unit.
 pub(in crate::experiment::guess) fn is_place(word: &str) -> bool {
     PLACES.contains(&word)
 }

@@ -140,7 +140,7 @@ fn letters_of_motors_are_no_amperes() {
 
 #[test]
 fn names_that_mean_something_else_beside_others_are_read_so() {
-    // a speed of the ground beside the input, whose unit is asked
+    // a ground speed and an input, whose unit is asked for
     let g = guess(&columns(&["t", "v_left", "v_right", "pwm_left", "pwm_right"]));
     assert_eq!((name_of(&g, "dalpha1"), name_of(&g, "M1")), (Some("v_right"), Some("pwm_right")));
     assert!(
