@@ -37,7 +37,13 @@ impl Physics for InputTiming {
     }
 
     fn parameters(&self) -> Vec<ParameterSpec> {
-        vec![ParameterSpec::shape(SYMBOL, "shift of the input", "s", (-1.0, 1.0), 1e-3)]
+        vec![ParameterSpec::shape(
+            SYMBOL,
+            "shift of the input that logging explains",
+            "s",
+            (-1.0, 1.0),
+            1e-3,
+        )]
     }
 
     fn energy(&self) -> Energy {

@@ -36,6 +36,26 @@ pub struct Timing {
     pub std_error_s: f64,
     /// The part that logging explains and that is removed from the recordings \[s\].
     pub correction_s: f64,
+    /// Longest time that logging explains \[s\].
+    #[serde(skip)]
+    pub logging_s: f64,
+}
+
+impl Timing {
+    /// Whether the motion is later than logging explains and no part of the time is removed: a logger that holds
+    /// its input explains half a row, one that differentiates an encoder another half.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        let earliest = self.dead_time_s - THRESHOLDS.uncertain * self.std_error_s;
+        self.correction_s == 0.0 && earliest > self.logging_s
+    }
+
+    /// Whether another estimate of the dead time, with its standard error \[s\], agrees with this one.
+    #[must_use]
+    pub fn agrees_with(&self, other_s: f64, std_error_s: f64) -> bool {
+        let error = self.std_error_s.hypot(std_error_s);
+        (other_s - self.dead_time_s).abs() <= THRESHOLDS.uncertain * error
+    }
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
@@ -59,7 +79,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let kept = late || nothing || something_else;
     let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
-    Some(Timing { dead_time_s, std_error_s, correction_s })
+    Some(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
 }
 
 /// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters.

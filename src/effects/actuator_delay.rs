@@ -23,9 +23,7 @@ impl Physics for ActuatorDelay {
             equation: "M(t) = recorded M(t - delay)".into(),
             cause: "bus and controller cycles between the recording and the motor".into(),
             signature: "residual torque in proportion to the rate of change of the torque".into(),
-            excitation: "quick changes of the torque; below about 8 ms it looks like a lag, and \
-                         half a sample is a matter of timing"
-                .into(),
+            excitation: "quick changes of the torque (a delay below about 8 ms looks like a lag)".into(),
             equivalent: vec![],
         }
     }

@@ -177,6 +177,12 @@ pub fn most_common() -> Option<String> {
     all().iter().find(|effect| effect.is_common()).map(|effect| effect.id())
 }
 
+/// The effect that delays the input.
+#[must_use]
+pub fn delay() -> Option<Box<dyn Effect>> {
+    all().into_iter().find(|effect| effect.is_delay())
+}
+
 /// The registered effect of that id.
 #[must_use]
 pub fn find(id: &str) -> Option<Box<dyn Effect>> {

@@ -18,7 +18,7 @@ impl Physics for ViscousFriction1 {
     fn description(&self) -> Description {
         Description {
             id: "viscous_friction_1".into(),
-            title: "Viscous friction, wheel 1".into(),
+            title: "Viscous friction of wheel 1".into(),
             equation: "b1 w1 on wheel 1".into(),
             cause: "grease, a rubbing seal or a failing bearing on the right side".into(),
             signature: "residual torque on wheel 1 grows in proportion to its speed".into(),

@@ -18,7 +18,7 @@ impl Physics for ViscousFriction2 {
     fn description(&self) -> Description {
         Description {
             id: "viscous_friction_2".into(),
-            title: "Viscous friction, wheel 2".into(),
+            title: "Viscous friction of wheel 2".into(),
             equation: "b2 w2 on wheel 2".into(),
             cause: "grease, a rubbing seal or a failing bearing on the left side".into(),
             signature: "residual torque on wheel 2 grows in proportion to its speed".into(),

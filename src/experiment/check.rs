@@ -8,7 +8,7 @@ use super::execute::load;
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan};
 use crate::conditioning::{Stated, stated};
 use crate::recording::{Finding, Issue, StatedIssue};
-use crate::report::dead_time;
+use crate::report::{dead_time, dead_time_advice};
 use crate::robot::Robot;
 
 /// Validates a file and its recordings and describes the experiment.
@@ -84,7 +84,12 @@ fn conditioning(plan: &Plan, out: &mut String) {
         let _ = writeln!(out, "  signal      {names}: {found}");
     }
     if let Some(timing) = plan.timing {
-        let _ = writeln!(out, "  dead time   {}", dead_time(&timing, plan.step()));
+        let advice = match timing.is_late() {
+            false => String::new(),
+            true if plan.diagnosis.is_some() => ": the diagnosis decides what it is".to_owned(),
+            true => format!(": {}", dead_time_advice()),
+        };
+        let _ = writeln!(out, "  dead time   {}{advice}", dead_time(&timing));
     }
 }
 

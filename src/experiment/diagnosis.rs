@@ -179,12 +179,11 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
 }
 
 /// The physical estimates of a comparison as further initial values: a fit of windows may end without dry
-/// friction from all other starts.
+/// friction from all other starts. Those of a fitted dead time are left out.
 fn estimates(model: &Model, comparison: &Comparison) -> Vec<Vec<f64>> {
-    let of = |m: &MethodStudy| m.estimates.iter().map(|e| e.value).collect::<Vec<f64>>();
-    let is_whole = |p: &Vec<f64>| {
-        p.len() == model.parameters().len() && p.iter().all(|value| value.is_finite())
-    };
+    let count = model.parameters().len();
+    let of = |m: &MethodStudy| m.estimates.iter().take(count).map(|e| e.value).collect::<Vec<_>>();
+    let is_whole = |p: &Vec<f64>| p.len() == count && p.iter().all(|value| value.is_finite());
     comparison.methods.iter().map(of).filter(is_whole).collect()
 }
 

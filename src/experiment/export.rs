@@ -7,12 +7,10 @@ use serde_json::Value;
 
 use super::error::ExperimentError;
 use super::execute::load;
-use super::fitted::{FittedModel, FittedModels};
+use super::fitted::{Columns, FittedModel, FittedModels};
 use super::overlay::{Overlay, overlay};
 use super::plan::Plan;
-use crate::export::{
-    GainErrors, Gains, Identified, Operation, Simulator, gains_files, mjcf, urdf_sdf,
-};
+use crate::export::{GainErrors, Gains, Operation, Simulator, gains_files, mjcf, urdf_sdf};
 use crate::identify::Estimate;
 use crate::io::{
     ResultFolder, TableColumn, make_folder, write_csv_table, write_mcap_table, write_parquet_table,
@@ -109,9 +107,7 @@ pub fn export(
 /// The identified robot for controllers and simulators.
 struct Robot<'a> {
     fitted: &'a FittedModel,
-    values: Vec<f64>,
-    std_errors: Vec<f64>,
-    units: Vec<String>,
+    columns: Columns,
     operation: Operation,
 }
 
@@ -133,28 +129,12 @@ impl<'a> Robot<'a> {
             time: largest(&Recording::duration),
             period: PERIOD,
         };
-        Self {
-            fitted,
-            values: fitted.values(),
-            std_errors: fitted.estimates.iter().map(|e| e.std_error).collect(),
-            units: fitted.estimates.iter().map(|e| e.unit.clone()).collect(),
-            operation,
-        }
+        Self { fitted, columns: fitted.columns(), operation }
     }
 
     /// Files of a format, and effects that it does not express.
     fn written(&self, plan: &Plan, format: ExportFormat) -> (Vec<(String, String)>, Vec<String>) {
-        let it = Identified {
-            model: &self.fitted.model,
-            values: &self.values,
-            std_errors: &self.std_errors,
-            units: &self.units,
-            drive_unit: plan.drive_unit(),
-            hold: plan.hold,
-            experiment: &plan.name,
-            method: &self.fitted.method,
-            missing: &[],
-        };
+        let it = self.fitted.identified(plan, &self.columns, &[]);
         let simulator = |made: Simulator| (made.files, made.left_out, made.notes);
         let (files, left_out, notes) = match format {
             ExportFormat::Mjcf => simulator(mjcf(&it, self.operation.time)),

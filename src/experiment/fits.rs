@@ -5,7 +5,9 @@ use std::time::Instant;
 use super::long::counted;
 use super::plan::{MethodPlan, Plan};
 use super::stages::Stages;
-use crate::identify::{Fit, IdentifyError, Note, Task};
+use crate::diagnose::Timing;
+use crate::identify::{Estimate, Fit, IdentifyError, Note, Task};
+use crate::model::Model;
 use crate::recording::{LongRecording, Recording};
 use crate::study::Role;
 
@@ -41,13 +43,39 @@ fn fit(
     train: &[Recording],
     long: &[Option<LongRecording>],
 ) -> MethodFit {
-    let task = Task { model: &plan.model, train, hold: plan.hold, seed: plan.seed };
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let fit = super::long::identify(&*method.method, &task, &long);
-    let mut fit = fit.map(|fit| fit.between_rows(train, plan.hold).driving_frictions(task.model));
-    if let (Ok(fit), Some(t)) = (&mut fit, plan.late()) {
-        fit.notes.push(Note::Late(t.dead_time_s, t.std_error_s));
-    }
+    let identify = |model: &Model| {
+        let task = Task { model, train, hold: plan.hold, seed: plan.seed };
+        let fit = super::long::identify(&*method.method, &task, &long)?;
+        Ok(fit.between_rows(train, plan.hold).driving_frictions(model))
+    };
+    let fit = match plan.late() {
+        Some(timing) => with_dead_time(&plan.fitted_model(), timing, identify),
+        None => identify(&plan.model),
+    };
     MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
+}
+
+/// Fits a `model` whose last parameter is a delay that stands for the measured dead time. A fit whose delay
+/// contradicts the measurement ended in another minimum, of which simulations of whole recordings have several: it
+/// is repeated with the delay as measured.
+fn with_dead_time(
+    model: &Model,
+    timing: Timing,
+    identify: impl Fn(&Model) -> Result<Fit, IdentifyError>,
+) -> Result<Fit, IdentifyError> {
+    let (time, error) = (timing.dead_time_s, timing.std_error_s);
+    let delay = model.parameters().len() - 1;
+    let mut fit = identify(model)?;
+    let contradicts = |e: &Estimate| !e.fixed && !timing.agrees_with(e.value, e.std_error);
+    if let Some(estimate) = fit.estimates.get(delay).filter(|e| contradicts(e))
+        && let Ok(held) = model.fix(&estimate.symbol, time)
+    {
+        fit = identify(&held)?;
+    }
+    fit.set_measured(delay, error);
+    let fitted = fit.dynamics.physical().is_some();
+    fit.notes.push(Note::Late { time, error, fitted });
+    Ok(fit)
 }

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 use super::custom::add;
 use super::plan::Plan;
 use crate::diagnose::INPUT_SHIFT;
+use crate::export::Identified;
 use crate::identify::Estimate;
 use crate::model::{Model, ModelError};
 use crate::study::{Combination, DiagnosisStudy, Study};
@@ -38,11 +39,14 @@ impl FittedModel {
         (correlations, combinations): (&[Vec<f64>], &[Combination]),
         method: &str,
     ) -> Result<Option<Self>, ModelError> {
-        let mut model = plan.model.clone();
+        let place = |symbol: &str| estimates.iter().position(|e| e.symbol == symbol);
+        let estimated = |model: &Model| model.symbols().iter().all(|s| place(s).is_some());
+        // a diagnosis starts from the model of the file, the methods fit a dead time too
+        let of_method = Some(plan.fitted_model()).filter(|m| added.is_empty() && estimated(m));
+        let mut model = of_method.unwrap_or_else(|| plan.model.clone());
         for id in added {
             model = add(&model, id, &plan.own)?;
         }
-        let place = |symbol: &str| estimates.iter().position(|e| e.symbol == symbol);
         let places: Option<Vec<usize>> = model.symbols().iter().map(|s| place(s)).collect();
         let input_shift_s = place(INPUT_SHIFT).map_or(0.0, |k| estimates[k].value);
         let method = method.to_owned();
@@ -59,6 +63,42 @@ impl FittedModel {
     pub fn values(&self) -> Vec<f64> {
         self.estimates.iter().map(|e| e.value).collect()
     }
+
+    /// Its estimates as columns.
+    pub(super) fn columns(&self) -> Columns {
+        Columns {
+            values: self.values(),
+            std_errors: self.estimates.iter().map(|e| e.std_error).collect(),
+            units: self.estimates.iter().map(|e| e.unit.clone()).collect(),
+        }
+    }
+
+    /// The model as the exports take it, with its [`FittedModel::columns`] and the ids of effects that it lacks.
+    pub(super) fn identified<'a>(
+        &'a self,
+        plan: &'a Plan,
+        columns: &'a Columns,
+        missing: &'a [String],
+    ) -> Identified<'a> {
+        Identified {
+            model: &self.model,
+            values: &columns.values,
+            std_errors: &columns.std_errors,
+            units: &columns.units,
+            drive_unit: plan.drive_unit(),
+            hold: plan.hold,
+            experiment: &plan.name,
+            method: &self.method,
+            missing,
+        }
+    }
+}
+
+/// Values, standard errors and units of the parameters of a model, in its order.
+pub(super) struct Columns {
+    pub(super) values: Vec<f64>,
+    std_errors: Vec<f64>,
+    units: Vec<String>,
 }
 
 /// Covariance of some of the estimates; those without a correlation count as independent.

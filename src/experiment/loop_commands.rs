@@ -7,6 +7,7 @@ use super::error::ExperimentError;
 use super::execute::{execute, load};
 use super::index::write_index;
 use super::options::RunOptions;
+use super::plan::Plan;
 use crate::io::{check_writable, read_text, write_whole};
 
 /// Adds an effect to the model of a file, keeping comments and layout, runs it, and reports the error before
@@ -39,6 +40,8 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         shard: None,
         progress: false,
     };
+    let had_delay =
+        before.diagnosis.is_none() && before.late().is_some() && shifts(&before, effect);
     let first = execute(before, &options).result?;
     write_whole(file, document.to_string().as_bytes())?;
     let second = load(file, &[]).and_then(|plan| execute(plan, &options).result);
@@ -55,11 +58,21 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
         "added {effect} to {}\n2 s simulation error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \
          rad/s\n{}\nreport: {}\n",
         file.display(),
-        change(effect, before, after),
+        if had_delay { in_place_of_delay(effect) } else { change(effect, before, after) },
         second.floor,
         second.verdict,
         second.report.display()
     ))
+}
+
+/// Whether an effect shifts the input in time.
+fn shifts(plan: &Plan, effect: &str) -> bool {
+    add(&plan.model, effect, &plan.own).is_ok_and(|model| model.shifts_input())
+}
+
+/// The change by an effect that stands in place of the delay that the fit had before.
+fn in_place_of_delay(effect: &str) -> String {
+    format!("before, the fit had a delay for the dead time, in whose place {effect} stands now")
 }
 
 /// The change of the error by the added effect.

@@ -1,8 +1,9 @@
 //! The identified model as files beside the report.
 
 use super::comparison::Comparison;
+use super::fitted::FittedModel;
 use super::plan::Plan;
-use crate::export::{Identified, ModelFiles, files};
+use crate::export::{ModelFiles, files};
 use crate::study::DiagnosisStudy;
 
 /// Files of the reference fit: the best physical one, or a fuzzy system if no fit is physical.
@@ -15,24 +16,10 @@ pub(super) fn model_out(
     if let Some(fuzzy) = &method.fuzzy {
         return Some(ModelFiles { files: fuzzy.functions.clone(), obstacles: vec![] });
     }
-    let estimates = plan
-        .model
-        .symbols()
-        .iter()
-        .map(|symbol| method.estimates.iter().find(|e| e.symbol == *symbol))
-        .collect::<Option<Vec<_>>>()?;
-    let values: Vec<f64> = estimates.iter().map(|e| e.value).collect();
-    let std_errors: Vec<f64> = estimates.iter().map(|e| e.std_error).collect();
-    let units: Vec<String> = estimates.iter().map(|e| e.unit.clone()).collect();
-    Some(files(&Identified {
-        model: &plan.model,
-        values: &values,
-        std_errors: &std_errors,
-        units: &units,
-        drive_unit: plan.drive_unit(),
-        hold: plan.hold,
-        experiment: &plan.name,
-        method: &method.name,
-        missing: diagnosis.map_or(&[], |d| d.found.as_slice()),
-    }))
+    let fitted = FittedModel::new(plan, &[], &method.estimates, (&[], &[]), &method.name);
+    let fitted = fitted.ok()??;
+    let in_model = fitted.model.effect_ids();
+    let found = diagnosis.into_iter().flat_map(|d| &d.found);
+    let missing: Vec<String> = found.filter(|id| !in_model.contains(id)).cloned().collect();
+    Some(files(&fitted.identified(plan, &fitted.columns(), &missing)))
 }

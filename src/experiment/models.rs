@@ -45,7 +45,7 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     };
     let cutoff = stage.cutoff(model, p);
     let parameters = of_method(model, comparison.reference_method());
-    let given = stage.physical((model, p), parameters, &[], cutoff)?;
+    let given = stage.physical((model, p), parameters, model.added_ids(), cutoff)?;
     let before = Unexplained { model, p, torque: &given.residual_torque };
     let curves = curves(&stage.recordings, cutoff, before, None);
     Ok(Models { given, completed: None, curves })
@@ -65,7 +65,8 @@ pub(super) fn of_diagnosis(
     let cutoff = stage.cutoff(&base.model, &base.p);
     let study_of = |fit: &WindowFit, found: &[String]| -> Result<ModelStudy, RunError> {
         let parameters = parameters_of(fit, plan.drive_unit());
-        stage.physical((&fit.model, &fit.p), parameters, found, cutoff)
+        let effects = [&plan.model.added_ids(), found].concat();
+        stage.physical((&fit.model, &fit.p), parameters, effects, cutoff)
     };
     let given = study_of(base, &[])?;
     let completed = match diagnosis.found().as_slice() {
@@ -106,13 +107,12 @@ impl<'a> Stage<'a> {
         cutoff(&self.recordings, mobility(model, p))
     }
 
-    /// A physical model with parameter values; it contains the effects `found` in addition to those of the
-    /// plan.
+    /// A physical model with parameter values and the ids of its effects beyond the base.
     fn physical(
         &self,
         (model, p): (&Model, &[f64]),
         parameters: Vec<ParameterStudy>,
-        found: &[String],
+        effects: Vec<String>,
         cutoff: f64,
     ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
@@ -120,7 +120,7 @@ impl<'a> Stage<'a> {
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let (performance, horizons) = self.simulated(&dynamics)?;
         Ok(ModelStudy {
-            effects: [&self.plan.model.added_ids(), found].concat(),
+            effects,
             parameters,
             failures: self.failures(&performance, &residual_torque),
             performance,

@@ -13,9 +13,10 @@ use super::remark::Remark;
 pub use super::source::MeasuredRecording;
 use crate::conditioning::{Stated, stated};
 use crate::diagnose::Timing;
+use crate::effects;
 use crate::model::Model;
 use crate::recording::{DriveUnit, LongRecording, Recording, StatedIssue};
-use crate::report::{dead_time, is_late};
+use crate::report::{dead_time, dead_time_advice};
 use crate::simulate::{Gain, Hold};
 use crate::study::{Role, grouped};
 
@@ -110,18 +111,24 @@ impl Plan {
         let said = said.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
         // a diagnosis reports it as an effect
         let late = self.late().filter(|_| self.diagnosis.is_none());
-        let late = late.map(|t| format!("dead time {}", dead_time(&t, self.step())));
+        let late = late.map(|t| format!("dead time {}: {}", dead_time(&t), dead_time_advice()));
         said.chain(self.remarks_and_findings()).chain(late).collect()
     }
 
     /// The dead time, if it exceeds what logging explains and the model has none.
     pub(super) fn late(&self) -> Option<Timing> {
-        self.timing.filter(|timing| is_late(timing, self.step()))
+        self.timing.filter(Timing::is_late)
     }
 
-    /// The longest time from row to row of its recordings \[s\].
-    pub(super) fn step(&self) -> f64 {
-        self.recordings.iter().map(|m| m.recording.step()).fold(0.0, f64::max)
+    /// The model that the methods fit: that of the file, with a delay of the input where the recordings have a dead
+    /// time that logging does not explain. Without it the inertias and frictions would take a part of that time.
+    #[must_use]
+    pub fn fitted_model(&self) -> Model {
+        let with_delay = |timing: Timing| {
+            let model = self.model.add(&effects::delay()?.id()).ok()?;
+            Some(model.starting_at(self.model.parameters().len(), timing.dead_time_s))
+        };
+        self.late().and_then(with_delay).unwrap_or_else(|| self.model.clone())
     }
 
     /// The same without corrections.

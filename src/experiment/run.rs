@@ -49,6 +49,9 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
     let model_out = model_out(plan, &comparison, diagnosis.as_ref());
     let what_if = what_if(plan, &comparison, &models, diagnosis.as_ref());
     let Comparison { recordings, methods, reference, .. } = comparison;
+    // a diagnosis starts from the model of the file, the methods from one with its dead time
+    let model = if diagnosis.is_some() { plan.model.clone() } else { plan.fitted_model() };
+    let effects = model.added_ids();
     let Models { given, completed, curves } = models;
     Ok(Study {
         experiment: plan.name.clone(),
@@ -60,7 +63,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         robot: plan.model.robot().name.clone(),
         robot_is_given: plan.robot_is_given,
         track_is_known: !has_no_track(plan.model.robot()),
-        effects: plan.model.added_ids(),
+        effects,
         drive_unit: plan.drive_unit(),
         recordings,
         methods,

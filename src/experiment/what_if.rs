@@ -5,7 +5,7 @@ use super::fitted::FittedModel;
 use super::models::Models;
 use super::plan::{MeasuredRecording, Plan};
 use crate::diagnose::shifted;
-use crate::export::{Identified, Obstacle, javascript};
+use crate::export::{Obstacle, javascript};
 use crate::study::{DiagnosisStudy, Performance, Start, WhatIfStudy};
 
 /// The last model of the report as a function; `None` if it is not physical.
@@ -33,20 +33,7 @@ pub(super) fn what_if(
 }
 
 fn script(plan: &Plan, fitted: &FittedModel) -> Result<String, Vec<Obstacle>> {
-    let std_errors: Vec<f64> = fitted.estimates.iter().map(|e| e.std_error).collect();
-    let units: Vec<String> = fitted.estimates.iter().map(|e| e.unit.clone()).collect();
-    let identified = Identified {
-        model: &fitted.model,
-        values: &fitted.values(),
-        std_errors: &std_errors,
-        units: &units,
-        drive_unit: plan.drive_unit(),
-        hold: plan.hold,
-        experiment: &plan.name,
-        method: &fitted.method,
-        missing: &[],
-    };
-    javascript(&identified)
+    javascript(&fitted.identified(plan, &fitted.columns(), &[]))
 }
 
 fn input(measured: &MeasuredRecording, shift: f64) -> Vec<[f64; 2]> {

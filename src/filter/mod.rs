@@ -20,7 +20,6 @@ mod pass;
 mod prepare;
 mod push;
 mod rest_noise;
-mod standstill;
 mod step;
 mod totals;
 
@@ -32,7 +31,6 @@ pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
 pub use rest_noise::rest_noise;
-pub use standstill::standstill;
 
 use crate::model::ModelError;
 

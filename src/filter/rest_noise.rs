@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::standstill::standstill;
 use crate::math::{median_high, nonnegative};
 use crate::recording::{Recording, SlowNoise};
 
@@ -57,8 +56,7 @@ pub fn rest_noise(recordings: &[&Recording]) -> [SlowNoise; 2] {
 
 /// Runs of rows in which both wheels are at rest.
 fn rests(recording: &Recording) -> Vec<Range<usize>> {
-    let noise = recording.noise();
-    let still = standstill(recording, &noise.alpha, &noise.omega);
+    let still = &recording.sensing().still;
     let rows: Vec<usize> = (0..still.len()).filter(|&k| still[k] == [true; 2]).collect();
     let runs = rows.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1);
     runs.filter(|run| run.len() >= SHORTEST).collect()

@@ -11,7 +11,7 @@
 //! it is smooth. A fit attributes to the inertias what of that error goes with Δw: at most this share of them. White noise
 //! of the input grows with the root of the span, J Δw with the span itself, so that a fast and noisy log has a small share.
 
-use super::{Estimate, Fit, Note};
+use super::{Fit, Note};
 use crate::model::base::{A1, A2, A3};
 use crate::recording::Recording;
 use crate::simulate::Hold;
@@ -38,13 +38,7 @@ impl Fit {
         if share <= LARGER_PART {
             return self;
         }
-        for &j in &inertias {
-            let Estimate { symbol, unit, value, .. } = &self.estimates[j];
-            self.estimates[j] = Estimate::new(symbol, unit.clone(), *value, f64::INFINITY);
-            if let Some(covariance) = &mut self.covariance {
-                covariance[(j, j)] = f64::INFINITY;
-            }
-        }
+        inertias.iter().for_each(|&j| self.set_unidentifiable(j));
         let symbols = inertias.iter().map(|&j| self.estimates[j].symbol.clone()).collect();
         let step_s = train.iter().map(Recording::step).fold(0.0, f64::max);
         let rate = (TENFOLD / step_s).ceil() as usize;

@@ -215,6 +215,22 @@ impl Fit {
         self
     }
 
+    /// Marks parameter `j` as not identifiable: its value stays, its variance is infinite.
+    pub(super) fn set_unidentifiable(&mut self, j: usize) {
+        let Estimate { symbol, unit, value, .. } = &self.estimates[j];
+        self.estimates[j] = Estimate::new(symbol, unit.clone(), *value, f64::INFINITY);
+        self.covariance.iter_mut().for_each(|c| c[(j, j)] = f64::INFINITY);
+    }
+
+    /// Gives parameter `j` the standard error of a measurement beside the fit, where the method held it at that
+    /// measurement; a method that estimates the parameter keeps its own.
+    pub(crate) fn set_measured(&mut self, j: usize, std_error: f64) {
+        let held = self.estimates.get(j).filter(|e| e.fixed);
+        let Some(Estimate { symbol, unit, value, .. }) = held else { return };
+        self.estimates[j] = Estimate::new(symbol, unit.clone(), *value, std_error);
+        self.covariance.iter_mut().for_each(|c| c[(j, j)] = std_error.powi(2));
+    }
+
     /// The estimate of a symbol.
     #[must_use]
     pub fn estimate(&self, symbol: &str) -> Option<&Estimate> {

@@ -223,14 +223,16 @@ fn note(
             // what is known is the combination across the direction that is not
             let (di, dk) = (direction[i] / scale[i], direction[k] / scale[k]);
             let (a, b, weight) = (free[i], free[k], -dk / di);
-            let variance =
-                finite[(a, a)] + 2.0 * finite[(a, b)] * weight + finite[(b, b)] * weight * weight;
+            let (aa, bb) = (finite[(a, a)], finite[(b, b)] * weight * weight);
+            let variance = aa + 2.0 * finite[(a, b)] * weight + bb;
+            // a difference of rounding errors is no variance
+            let is_known = variance > f64::EPSILON * (aa + bb);
             Unknown::Two {
                 first: name(i),
                 second: name(k),
                 weight,
                 value: values[a] + weight * values[b],
-                std_error: variance.max(0.0).sqrt(),
+                std_error: if is_known { variance.sqrt() } else { f64::INFINITY },
             }
         }
         _ => Unknown::Several(part.iter().map(|&i| name(i)).collect()),

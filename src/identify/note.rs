@@ -60,8 +60,15 @@ pub enum Note {
     },
     /// Time by which the input acts later than recorded, and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
-    /// Dead time between input and motion that is not in the model, with its standard error \[s\].
-    Late(f64, f64),
+    /// A dead time between input and motion that logging does not explain.
+    Late {
+        /// The measured time \[s\].
+        time: f64,
+        /// Its standard error \[s\].
+        error: f64,
+        /// Whether the fit has it as a delay of the input.
+        fitted: bool,
+    },
     /// Symbols and values of frictions that are negative with their whole intervals.
     DrivingFriction(Vec<(String, f64)>),
     /// The larger part of the inertias may be made of what the input does between its rows.

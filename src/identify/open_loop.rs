@@ -39,7 +39,7 @@ impl OpenLoop<'_> {
     /// The mean over all pieces with the same parameters.
     pub(super) fn mean(&self, model: &Model, p: &[f64]) -> f64 {
         let all = self.errors(model, &vec![p.to_vec(); self.pieces.len()]);
-        all.iter().sum::<f64>() / all.len().max(1) as f64
+        mean(&all)
     }
 
     fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {

@@ -3,7 +3,7 @@
 use super::open_loop::{OpenLoop, clearly_smaller};
 use super::start::start;
 use super::torque_regression::TorqueRegression;
-use super::{Estimate, Fit, Identifier, IdentifyError, Note, Task, Unknown};
+use super::{Fit, Identifier, IdentifyError, Note, Task, Unknown};
 use crate::filter::pieces;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
@@ -96,12 +96,7 @@ pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &
     let effect = |j: usize| model.parameters()[j].effect.clone();
     let notes = notes.into_iter().map(|(unknown, j)| Note::Unknown { unknown, effect: effect(j) });
     fit.notes.splice(0..0, notes.collect::<Vec<_>>());
-    for &j in [A1, A2].iter().chain(places) {
-        let known = &fit.estimates[j];
-        let unit = known.unit.clone();
-        fit.estimates[j] = Estimate::new(&known.symbol, unit, known.value, f64::INFINITY);
-        fit.covariance.iter_mut().for_each(|c| c[(j, j)] = f64::INFINITY);
-    }
+    [A1, A2].iter().chain(places).for_each(|&j| fit.set_unidentifiable(j));
     fit
 }
 

@@ -45,3 +45,16 @@ pub struct Noise {
     /// Input [unit of the input].
     pub torque: [f64; 2],
 }
+
+/// What of a recording's motion does not depend on a model. Angles before speeds, right wheel first.
+#[derive(Clone, Debug)]
+pub struct Sensing {
+    /// One flag a sample and wheel: the wheel stands still.
+    pub still: Vec<[bool; 2]>,
+    /// Variances of (alpha1, alpha2, omega1, omega2) [rad^2, rad^2/s^2].
+    pub variance: [f64; 4],
+    /// Channels that are measurements of their own.
+    pub used: [bool; 4],
+    /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
+    pub speed_variance: f64,
+}

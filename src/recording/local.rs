@@ -34,7 +34,7 @@ impl Recording {
     /// Computed once; copies of the recording with another input share it.
     #[must_use]
     pub fn local_motion(&self) -> &[LocalMotion] {
-        self.kept_motion().get_or_init(|| self.parabolas_of_all())
+        self.kept().local_motion.get_or_init(|| self.parabolas_of_all())
     }
 
     fn parabolas_of_all(&self) -> Vec<LocalMotion> {

@@ -16,8 +16,10 @@ mod quality;
 mod recording;
 mod refresh;
 mod regime;
+mod sensing;
+mod standstill;
 
-pub use channels::{Channels, Measured, Noise, SlowNoise};
+pub use channels::{Channels, Measured, Noise, Sensing, SlowNoise};
 pub(crate) use derived::{differentiate, slopes};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;

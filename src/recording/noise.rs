@@ -47,7 +47,7 @@ impl Recording {
         let own = Noise {
             alpha: channel(self.alpha()),
             omega: channel(self.omega()),
-            torque: self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps),
+            torque: self.input_noise(),
         };
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         match self.most_noise() {
@@ -58,6 +58,12 @@ impl Recording {
             },
             None => own,
         }
+    }
+
+    /// Noise of the input, right wheel first [unit of the input]: the torque of [`Recording::noise`].
+    #[must_use]
+    pub fn input_noise(&self) -> [f64; 2] {
+        self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps)
     }
 
     /// Standard deviation of the differences of the input from row to row [unit of the input], which are

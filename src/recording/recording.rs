@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::channels::{Channels, Measured, Noise, SlowNoise};
+use super::channels::{Channels, Measured, Noise, Sensing, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, slopes};
 use super::gaps::{median_step, pieces};
@@ -31,8 +31,17 @@ pub struct Recording {
     noise_of_jumps: f64,
     /// Autocorrelated noise of the input, right wheel first.
     slow_input_noise: [SlowNoise; 2],
-    /// [`Recording::local_motion`], computed on first use; copies share it.
-    local_motion: Arc<OnceLock<Vec<LocalMotion>>>,
+    /// What is computed from angles and speeds on first use; copies with the same motion share it.
+    kept: Arc<Kept>,
+}
+
+/// Results that depend on the angles, the speeds and the noise of their sensors only.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    /// [`Recording::local_motion`].
+    pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
+    /// [`Recording::sensing`].
+    pub(super) sensing: OnceLock<Sensing>,
 }
 
 impl Recording {
@@ -83,7 +92,7 @@ impl Recording {
             recorded_input_noise: None,
             noise_of_jumps: 1.0,
             slow_input_noise: [SlowNoise::default(); 2],
-            local_motion: Arc::default(),
+            kept: Arc::default(),
         })
     }
 
@@ -192,7 +201,7 @@ impl Recording {
         assert_eq!(omega.len(), self.len(), "one row of speeds a sample");
         let measured = self.measured.alpha;
         let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega) };
-        Self { alpha, omega, local_motion: Arc::default(), ..self.clone() }
+        Self { alpha, omega, kept: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with angles shifted by `later` \[rad\].
@@ -200,7 +209,7 @@ impl Recording {
     pub fn with_later_angles(&self, later: [f64; 2]) -> Self {
         let moved = |a: &[f64; 2]| [a[0] + later[0], a[1] + later[1]];
         let alpha = self.alpha.iter().map(moved).collect();
-        Self { alpha, local_motion: Arc::default(), ..self.clone() }
+        Self { alpha, kept: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
@@ -245,12 +254,12 @@ impl Recording {
     /// Sets an upper bound for the noise of angles and speeds.
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
-        // the neighbourhoods of the local motion depend on the noise
-        self.local_motion = Arc::default();
+        // local motion and standstill depend on the noise
+        self.kept = Arc::default();
     }
 
-    pub(super) fn kept_motion(&self) -> &OnceLock<Vec<LocalMotion>> {
-        &self.local_motion
+    pub(super) fn kept(&self) -> &Kept {
+        &self.kept
     }
 
     pub(super) fn most_noise(&self) -> Option<Noise> {

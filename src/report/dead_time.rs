@@ -2,27 +2,21 @@
 
 use crate::diagnose::Timing;
 use crate::effects::{self, Change};
+use crate::report::format;
 
 /// Number of standard errors for an interval of 95 %.
 const INTERVAL: f64 = 1.96;
-
-/// Whether the motion is delayed by more than a row of `step` \[s\] and no part of it was corrected: a logger
-/// that holds its input explains half a row, one that differentiates an encoder another half.
-#[must_use]
-pub fn is_late(timing: &Timing, step: f64) -> bool {
-    timing.correction_s == 0.0 && earliest(timing) > step
-}
 
 /// Lower end of the interval \[s\].
 fn earliest(timing: &Timing) -> f64 {
     timing.dead_time_s - INTERVAL * timing.std_error_s
 }
 
-/// The dead time between input and motion with its interval and its treatment, in rows of `step` \[s\].
+/// The dead time between input and motion with its interval and its treatment.
 #[must_use]
-pub fn dead_time(timing: &Timing, step: f64) -> String {
-    let ms = |seconds: f64| format!("{:.1}", 1e3 * seconds);
-    let Timing { dead_time_s, std_error_s, correction_s } = *timing;
+pub fn dead_time(timing: &Timing) -> String {
+    let ms = |seconds: f64| format::fixed(1e3 * seconds, 1);
+    let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
     let value = format!(
         "{} ± {} ms from input to motion (95 %: {} to {} ms)",
         ms(dead_time_s),
@@ -33,11 +27,10 @@ pub fn dead_time(timing: &Timing, step: f64) -> String {
     if correction_s != 0.0 {
         return format!("{value}, {} ms of it by logging and taken out", ms(correction_s));
     }
-    if is_late(timing, step) {
+    if timing.is_late() {
         return format!(
-            "{value}, more than logging explains. The model has no such time, and its inertias and friction take a part \
-             of it: add {} to `effects` of [model], or let a [diagnosis] decide",
-            shifting().join(" or ")
+            "{value}, more than logging explains; the methods fit it as a delay of the input, which the model of the file \
+             does not have"
         );
     }
     if dead_time_s.abs() > INTERVAL * std_error_s {
@@ -46,10 +39,15 @@ pub fn dead_time(timing: &Timing, step: f64) -> String {
     format!("{value}, not distinguished from none")
 }
 
-/// The effects that shift the input in time.
-fn shifting() -> Vec<String> {
-    let all = effects::all();
-    all.iter().filter(|e| e.change() == Change::TimeShift).map(|e| e.id()).collect()
+/// What to do about a dead time that the model of the file does not have, without a diagnosis.
+#[must_use]
+pub fn dead_time_advice() -> String {
+    let mut shifting: Vec<_> =
+        effects::all().into_iter().filter(|e| e.change() == Change::TimeShift).collect();
+    // the one that was fitted first
+    shifting.sort_by_key(|effect| !effect.is_delay());
+    let ids: Vec<String> = shifting.iter().map(|effect| effect.id()).collect();
+    format!("add {} to `effects` of [model], or let a [diagnosis] decide", ids.join(" or "))
 }
 
 #[cfg(test)]
@@ -59,15 +57,17 @@ mod tests {
     #[test]
     fn a_time_that_the_model_lacks_is_said_with_what_to_add() {
         let of = |dead_time_s, correction_s| {
-            dead_time(&Timing { dead_time_s, std_error_s: 0.0004, correction_s }, 0.01)
+            let (std_error_s, logging_s) = (0.0004, 0.005);
+            dead_time(&Timing { dead_time_s, std_error_s, correction_s, logging_s })
         };
         let late = of(0.0238, 0.0);
         assert!(late.contains("23.8 ± 0.4 ms from input to motion (95 %: 23.0 to 24.6 ms), more"));
-        let named = ["actuator_delay", "actuator_lag"].iter().all(|id| late.contains(id));
-        assert!(named, "{late}");
+        assert!(dead_time_advice().starts_with("add actuator_delay or actuator_lag to"));
         assert!(of(0.0038, 0.0038).ends_with("3.8 ms of it by logging and taken out"));
         assert!(of(0.0038, 0.0).contains("left in: it may stand for something else"));
-        assert!(of(-0.0038, 0.0).contains("left in"));
+        assert!(
+            of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms") && of(-0.0038, 0.0).contains("left in")
+        );
         assert!(of(0.0002, 0.0).ends_with("not distinguished from none"));
     }
 }

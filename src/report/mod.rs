@@ -24,7 +24,7 @@ mod verdict;
 pub mod what_if;
 mod words;
 
-pub use dead_time::{dead_time, is_late};
+pub use dead_time::{dead_time, dead_time_advice};
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};

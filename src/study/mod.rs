@@ -160,7 +160,8 @@ pub struct Study {
     pub of_paper: bool,
     /// Earlier versions of the model, oldest first, this one last.
     pub versions: Vec<Version>,
-    /// Shift in time between input and motion, if identifiable.
+    /// Shift in time between input and motion, if identifiable. A dead time that logging does not explain is a
+    /// delay in the fits of the methods.
     pub timing: Option<crate::diagnose::Timing>,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,

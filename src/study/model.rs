@@ -24,8 +24,13 @@ pub struct ParameterStudy {
 pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
     let parameter = |(j, parameter): (usize, &crate::model::Parameter)| {
         let fixed = parameter.fixed.is_some();
-        let std_error = if fixed { 0.0 } else { fit.covariance[(j, j)].sqrt() };
         let spec = &parameter.spec;
+        let std_error = match fit.covariance[(j, j)].sqrt() {
+            _ if fixed => 0.0,
+            // uncertain by more than all admissible values: the data do not determine it
+            error if error > spec.range.1 - spec.range.0 => f64::INFINITY,
+            error => error,
+        };
         let estimate = Estimate::new(&spec.symbol, unit.of(&spec.unit), fit.p[j], std_error);
         ParameterStudy {
             effect: parameter.effect.clone(),

@@ -1,6 +1,7 @@
 //! Candidates and steps of a diagnosis with their errors on the judged recordings.
 
 use crate::diagnose::{Diagnosis, Judge, Judgement, Ranked, THRESHOLDS, probabilities};
+use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::simulate::SimulateError;
 use crate::study::{CandidateStudy, StepStudy, parameters_of};
@@ -44,7 +45,7 @@ pub(super) fn ranking(
             };
             let equals = if place == 0 {
                 diagnosis.steps.first().map(|s| s.equals.clone()).unwrap_or_default()
-            } else if ranked.refit.is_some() && ranked.bic < best + THRESHOLDS.alike {
+            } else if ranked.refit.is_some() && (ranked.bic - best).abs() < THRESHOLDS.alike {
                 vec![diagnosis.ranking[0].candidate.id.clone()]
             } else {
                 ranked.candidate.effect.description().equivalent
@@ -62,14 +63,20 @@ fn candidate(
     after: Option<Judgement>,
     judge: &Judge,
 ) -> CandidateStudy {
+    // an effect on the input is ranked by its distance from the best one by the windows, which may be far below zero
+    // though its own windows prefer it
+    let of_input = matches!(ranked.candidate.effect.change(), Change::Input | Change::TimeShift);
+    let own = 2.0 * ranked.bic_windows;
+    let bic =
+        if of_input && ranked.bic.is_finite() { ranked.bic.min(own.max(0.0)) } else { ranked.bic };
     CandidateStudy {
         effect: ranked.candidate.id.clone(),
         probability,
         indistinguishable,
         p_value: ranked.fall.map_or(1.0, |fall| fall.p_value),
         log_significance: ranked.fall.map_or(0.0, |fall| -fall.p_value.ln()),
-        evidence: -0.5 * ranked.bic,
-        delta_bic: -ranked.bic,
+        evidence: -0.5 * bic,
+        delta_bic: -bic,
         before,
         after,
         by_regression: ranked.by_regression,

@@ -8,10 +8,13 @@ fn started_and_checked(name: &str, words: &[&str]) {
     folder.write(name, std::fs::read(root().join("tests/data").join(name)).unwrap());
     folder.run(&["new", name, "-o", "e.toml"]).says(0, words);
     assert!(folder.read("e.toml").contains(&format!("#   {name}")));
-    // positions and velocities that state no unit could be those of a way as well
+    // positions and velocities that state no unit could be those of a way as well, and torques in whole numbers any
     let unit = |of: &str| format!("unit = \"{of}\"");
-    let of_angles = folder.read("e.toml").replacen(&unit("?"), &unit("rad"), 2);
-    folder.write("e.toml", of_angles.replace(&unit("?"), &unit("rad/s")));
+    let answered = ["rad", "rad/s", "N m"].iter().fold(folder.read("e.toml"), |file, of| {
+        // of each quantity one column a wheel
+        file.replacen(&unit("?"), &unit(of), 2)
+    });
+    folder.write("e.toml", answered);
     folder.run(&["check", "e.toml"]).says(0, &[name]);
 }
 

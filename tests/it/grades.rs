@@ -53,7 +53,7 @@ fn judged(missing: &str) -> Judged {
 fn error_on(study: &Study, plan: &Plan, later: &Plan) -> f64 {
     let parameters = &study.given.as_ref().unwrap().parameters;
     let p = parameters.iter().map(|p| p.estimate.value).collect();
-    let dynamics = PhysicalDynamics { model: plan.model.clone(), p };
+    let dynamics = PhysicalDynamics { model: plan.fitted_model(), p };
     let recording = &later.recordings[0].recording;
     let simulated = simulate_recording(&dynamics, recording, later.hold);
     simulated.map_or(f64::INFINITY, |s| window_rms(recording, &s.windows))

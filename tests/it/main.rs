@@ -6,6 +6,7 @@ mod bad_experiment;
 mod bad_recording;
 mod conditioning;
 mod console_logs;
+mod dead_time;
 mod docs;
 mod export;
 mod exported;

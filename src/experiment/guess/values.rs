@@ -137,8 +137,8 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     if guess.columns.iter().any(Guessed::is_in_metres) {
         guess.questions.push(RADIUS.into());
     }
-    if guess.drive_unit == DriveUnit::Ampere {
-        whole_currents(columns, guess);
+    if guess.drive_unit != DriveUnit::Volt {
+        whole_inputs(columns, guess);
     }
     let [angles, speeds] = ["alpha", "dalpha"].map(|of| {
         guess.columns.iter().any(|c| c.key.strip_prefix(of).is_some_and(|s| s.len() == 1))
@@ -348,26 +348,34 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
     }
 }
 
-/// Whole numbers beyond this are rather milliamperes or counts of a converter than amperes.
-const WHOLE_AMPERES: f64 = 10.0;
+/// Whole numbers beyond this are rather thousandths or counts of a converter than amperes or newton metres.
+const WHOLE_INPUTS: f64 = 10.0;
 
-/// Asks for the unit of integer-valued currents that nothing determines.
-fn whole_currents(columns: &[PreviewColumn], guess: &mut Guess) {
+/// Asks for the unit of integer-valued currents or torques that nothing determines.
+fn whole_inputs(columns: &[PreviewColumn], guess: &mut Guess) {
     let top = |c: &Guessed| largest(values_of(columns, &c.name));
     let is_open = |c: &Guessed| {
         let values = values_of(columns, &c.name);
         let is_stated = c.unit.is_some() || c.scale.is_some() || named(&c.name).unit.is_some();
-        c.key.starts_with('M') && !is_stated && whole(values) && top(c) > WHOLE_AMPERES
+        c.key.starts_with('M') && !is_stated && whole(values) && top(c) > WHOLE_INPUTS
     };
     let open: Vec<bool> = guess.columns.iter().map(is_open).collect();
     let Some(first) = open.iter().position(|open| *open).map(|k| &guess.columns[k]) else { return };
-    let question = format!(
-        "{} up to {:.0} in whole numbers: a current in A or mA? Write it as unit; of counts of a converter write \
-         unit = \"A\" and the amperes of one count as scale",
+    let units = match guess.drive_unit {
+        DriveUnit::NewtonMetre => {
+            "a torque in N m or mN m? Write it as unit; of per mille of the rated torque (CiA 402, as CANopen and \
+             EtherCAT drives send it) write unit = \"N m\" and a thousandth of the rated torque as scale"
+        }
+        _ => {
+            "a current in A or mA? Write it as unit; of counts of a converter write unit = \"A\" and the amperes of one \
+             count as scale"
+        }
+    };
+    guess.questions.push(format!(
+        "{} up to {:.0} in whole numbers: {units}",
         first.asks_unit(),
         top(first)
-    );
-    guess.questions.push(question);
+    ));
     let inputs = guess.columns.iter_mut().filter(|c| c.key.starts_with('M') && c.unit.is_none());
     inputs.for_each(|c| c.unit_open = true);
 }

@@ -104,14 +104,14 @@ fn caption(study: &Study) -> String {
         true => "",
         false => {
             " A resistance is the residual torque where the wheel turns forward and its opposite where it turns \
-             backward; a share of the input is the factor between the two. Of both, what is the same over the whole \
-             variable is not counted."
+             backward; a share of the input is the factor between the two. A part that is the same over the whole \
+             range is left out of both."
         }
     };
     format!(
         "Recorded input minus the torque that the model requires for the measured motion, after a low-pass, in bins of a \
          variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
-         varied together in these recordings share their curves.{acting}{geometry}"
+         varied together in these recordings have the same curve.{acting}{geometry}"
     )
 }
 

@@ -74,7 +74,11 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         highlight: place,
     };
     let title = match place.map(|place| (place, shown[place])) {
-        None => "No effect of the catalogue stands out".to_owned(),
+        None if shown[0].evidence > 0.0 => format!(
+            "{} fits the training data best, but is not proven on data that it was not fitted to",
+            words::effect(&shown[0].effect)
+        ),
+        None => "No effect of the catalogue improves the fit".to_owned(),
         Some((0, best)) => {
             let (name, p) = (words::effect(&best.effect), format::probability(best.probability));
             format!("{name} explains the data best (probability {p})")
@@ -93,7 +97,8 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
         .with_subtitle("Each candidate added separately; labels: probability among the candidates")
         .with_caption(format!(
             "ΔBIC: by how much the Bayesian information criterion prefers the model with the candidate, on training \
-             data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1.",
+             data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1; \
+             a candidate whose simulation is no better counts as no more probable than no effect.",
             shown.len(),
             diagnosis.ranking.len()
         ))
@@ -106,7 +111,8 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
     let text = if found.is_empty() {
         Text::from("No effect was added.")
     } else {
-        Text::from("Found, in this order: ").strong(words::list(&found)).plain(".")
+        let order = if found.len() > 1 { "Found, in this order: " } else { "Found: " };
+        Text::from(order).strong(words::list(&found)).plain(".")
     };
     let left = diagnosis.errors.unexplained();
     let text = if left.is_finite() {

@@ -231,21 +231,28 @@ fn figure(study: &Study) -> Option<Figure> {
 
 /// States which fits these errors belong to: with a diagnosis, those of the verdict belong to other fits.
 fn fitted_by(study: &Study) -> String {
-    let model = format!("The {} as each method fits it", words::given(study));
+    let model = format!("The {}, as each method fits it", words::fitted(study));
     match study.diagnosis {
-        Some(_) => format!("{model} (the verdict's errors are of the diagnosis's own fit)"),
+        Some(_) => format!("{model} (the errors in the verdict are those of the diagnosis)"),
         None => model,
     }
 }
 
 fn remarks(study: &Study) -> Vec<Text> {
-    let mut remarks = Vec::new();
+    // a note that several methods have is said once
+    let mut remarks: Vec<(String, Vec<String>)> = Vec::new();
     for method in &study.methods {
-        let name = words::method(study, method);
         let failure = method.failure.iter().map(|reason| format!(" failed: {reason}"));
         for note in failure.chain(method.notes.iter().map(|note| format!(": {note}"))) {
-            remarks.push(Text::default().strong(&name).plain(format::sentence(&note)));
+            let name = words::method(study, method);
+            match remarks.iter_mut().find(|(said, _)| *said == note) {
+                Some((_, names)) => names.push(name),
+                None => remarks.push((note, vec![name])),
+            }
         }
     }
-    remarks
+    let remark = |(note, names): (String, Vec<String>)| {
+        Text::default().strong(words::list(&names)).plain(format::sentence(&note))
+    };
+    remarks.into_iter().map(remark).collect()
 }

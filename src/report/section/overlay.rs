@@ -95,7 +95,7 @@ impl<'a> Overlay<'a> {
     fn among(&self) -> String {
         match self.study.judged().len() {
             ..2 => String::new(),
-            many => format!(", one of {many} whose common error is that of the verdict"),
+            many => format!("; the error in the verdict is that over all {many} recordings"),
         }
     }
 

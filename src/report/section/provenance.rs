@@ -39,7 +39,9 @@ impl Section for Provenance {
             fact("Seed", study.seed.to_string());
         }
         if let Some(files) = &study.model_out {
-            fact("Identified model", files.words());
+            let by = study.reference_method().map(|m| words::method(study, m));
+            let by = by.map_or_else(String::new, |name| format!(" Fitted by {name}."));
+            fact("Identified model", format!("{}{by}", files.words()));
         }
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {

@@ -1,8 +1,10 @@
 //! The recordings, their noise, and the findings on them.
 
-use super::{Depth, Section, listed};
+use super::{Depth, Section, listed, words};
+use crate::diagnose::Timing;
+use crate::effects::{self, Change};
 use crate::report::block::{Block, Cell, Column, Table, Text};
-use crate::report::{dead_time, format};
+use crate::report::{dead_time, dead_time_advice, format};
 use crate::study::{RecordingStudy, Study};
 
 /// The recordings, with findings of conditioning and quality check.
@@ -52,9 +54,9 @@ impl Section for Recordings {
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
         blocks.extend(conditioning(study, &shown));
-        let rows = study.recordings.iter().map(|r| 1.0 / r.rate_hz);
-        let step = rows.fold(0.0, f64::max);
-        let timing = study.timing.map(|t| format!("Dead time: {}.", dead_time(&t, step)));
+        let timing = study.timing.map(|t| {
+            format!("Dead time: {}{}.", dead_time(&t), decided(study, &t))
+        });
         blocks.extend(timing.map(Block::paragraph));
         let groups = study.findings();
         let remarks = groups.len();
@@ -119,4 +121,21 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
         Cell::formatted(format::digits(r.floor.window_rms, 3), r.floor.window_rms),
         Cell::formatted(format::digits(floor, 3), floor),
     ]
+}
+/// What became of a dead time that logging does not explain.
+fn decided(study: &Study, timing: &Timing) -> String {
+    let is_shift = |id: &String| {
+        effects::find(id).is_some_and(|effect| effect.change() == Change::TimeShift)
+    };
+    match &study.diagnosis {
+        _ if !timing.is_late() => String::new(),
+        None => format!(": {}", dead_time_advice()),
+        Some(diagnosis) => match diagnosis.found.iter().find(|id| is_shift(id)) {
+            Some(id) => format!("; the diagnosis names {}", words::effect_in_text(id)),
+            None => {
+                "; the diagnosis does not prove it, and its verdict is on the model without a delay"
+                    .to_owned()
+            }
+        },
+    }
 }

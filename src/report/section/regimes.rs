@@ -143,6 +143,14 @@ fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
     figure
 }
 
+/// The p-value of a regime; a dash where its blocks are too few for a test.
+fn tested(failure: &Failure) -> Cell {
+    match failure.p_value {
+        1.0 => Cell::text(format::MISSING),
+        p => Cell::p_value(p),
+    }
+}
+
 fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
     let unit = study.drive_unit.symbol();
     let mut columns =
@@ -154,8 +162,9 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
         columns.push(Column::number("p, one regime", ""));
     }
     let caption = format!(
-        "Regimes by how far the error exceeds noise, on {} data: share of the summed squared 2 s simulation \
-         error, and the mean residual torque ± standard error (over blocks of 1 s; a dash near rest), with its p-value, not corrected for the number of regimes.",
+        "Regimes, those with a significant residual torque first, then by how far the error exceeds noise, on {} data: share \
+         of the summed squared 2 s simulation error, and the mean residual torque ± standard error (over blocks of 1 s), with its \
+         p-value, not corrected for the number of regimes; a dash near rest, or where blocks are too few for a test.",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -174,7 +183,7 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
                     .bar(f.share_of_ise),
                 if f.significant { over.tone(Tone::Bad) } else { over },
                 Cell::estimate(f.torque, f.std_error),
-                Cell::p_value(f.p_value),
+                tested(f),
             ]);
         }
         table.push(row);

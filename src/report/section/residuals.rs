@@ -82,6 +82,7 @@ fn caption(given: &Whiteness, completed: Option<&Whiteness>) -> String {
     let expected = (0.01 * all as f64).ceil();
     let outside_of = match completed {
         Some(_) => format!("{} and {last} are", outside(given).0),
+        None if last == 1 => "one is".to_owned(),
         None => format!("{last} are"),
     };
     format!(

@@ -211,6 +211,14 @@ fn cautions(study: &Study) -> Vec<Block> {
         );
         notice(sentence, "The reasons are listed with the methods, below.");
     }
+    if let Some(timing) = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late()) {
+        let sentence = format!(
+            "The motion starts {} ms after the recorded input, later than logging explains; the fit has a delay of \
+             the input for it.",
+            format::fixed(1e3 * timing.dead_time_s, 1)
+        );
+        notice(sentence, "A diagnosis tells a delay from a lag of the actuator.");
+    }
     let found = study.findings().len();
     if found > 0 {
         let sentence = match found {
@@ -291,7 +299,9 @@ fn to_diagnose(study: &Study) -> Text {
         return text.plain("run a diagnosis.");
     }
     let text = text.plain("add ").code("[diagnosis]").plain(" to the experiment file");
-    let text = match effects::most_common() {
+    // the delay of a dead time is fitted without being in the file
+    let delay = || effects::delay().filter(|_| words::has_fitted_delay(study)).map(|e| e.id());
+    let text = match delay().or_else(effects::most_common) {
         Some(id) => add_command(study, &id, text.plain(", or try one: ")),
         None => text,
     };

@@ -35,7 +35,8 @@ pub(super) fn regime(regime: Regime) -> String {
 
 /// The title of an effect; the id if it is not in the catalogue.
 pub(super) fn effect(id: &str) -> String {
-    effects::find(id).map_or_else(|| id.replace('_', " "), |effect| effect.description().title)
+    let own = || format::capital(&id.replace('_', " "));
+    effects::find(id).map_or_else(own, |effect| effect.description().title)
 }
 
 /// The title of an effect within a sentence: without its capital, except for names of persons.
@@ -130,11 +131,30 @@ pub(super) fn in_paper(study: &Study, figure: &str) -> String {
 /// Short name of the model as given: "base model".
 pub(super) fn given(study: &Study) -> String {
     let is_fuzzy = study.reference_method().is_some_and(|m| m.fuzzy.is_some());
-    match study.effects.is_empty() {
-        _ if is_fuzzy && study.diagnosis.is_none() => "fuzzy system".to_owned(),
-        true => "base model".to_owned(),
-        false => "model as given".to_owned(),
+    let undiagnosed = study.diagnosis.is_none();
+    let delay = undiagnosed && has_fitted_delay(study);
+    match study.effects.len() - usize::from(delay && !study.effects.is_empty()) {
+        _ if is_fuzzy && undiagnosed => "fuzzy system".to_owned(),
+        0 => format!("base model{}", with_delay(delay)),
+        _ => format!("model as given{}", with_delay(delay)),
     }
+}
+
+/// The model that the methods fit: as given, with a delay of the input for a dead time.
+pub(super) fn fitted(study: &Study) -> String {
+    match study.diagnosis {
+        Some(_) => given(study) + with_delay(has_fitted_delay(study)),
+        None => given(study),
+    }
+}
+
+/// Whether the methods fit a delay that the model of the file does not have.
+pub(super) fn has_fitted_delay(study: &Study) -> bool {
+    study.timing.is_some_and(|timing| timing.is_late())
+}
+
+fn with_delay(delay: bool) -> &'static str {
+    if delay { " with a delay" } else { "" }
 }
 
 /// The effects found: "turning scrub and slope".

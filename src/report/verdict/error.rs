@@ -54,7 +54,7 @@ fn in_perspective(errors: &Errors) -> String {
 }
 
 /// The removed share of the squared error, rounded such that a remaining error is not stated as zero.
-fn removed(left: f64) -> String {
+pub(super) fn removed(left: f64) -> String {
     let percent = 100.0 * (1.0 - left);
     if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }
 }

@@ -1,5 +1,6 @@
 //! Text on the evidence for a candidate.
 
+use super::error::removed;
 use crate::diagnose::Errors;
 use crate::study::CandidateStudy;
 
@@ -17,8 +18,8 @@ pub fn evidence(candidate: &CandidateStudy, errors: &Errors) -> String {
     let gained = before.window_rms.powi(2) - after.window_rms.powi(2);
     let share = if explainable > 0.02 * errors.floor {
         format!(
-            "removes {:.0} % of the error above the noise floor, ",
-            100.0 * (gained / explainable).clamp(0.0, 1.0)
+            "removes {} of the error above the noise floor, ",
+            removed((1.0 - gained / explainable).clamp(0.0, 1.0))
         )
     } else {
         String::new()

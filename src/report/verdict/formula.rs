@@ -11,7 +11,7 @@ pub(super) fn words(formula: &FormulaStudy, errors: &Errors) -> String {
     let place = if *in_place { ", in place of the effects found," } else { "" };
     let over = match window_rms / errors.floor.sqrt() {
         ratio if !ratio.is_finite() => String::new(),
-        ratio if ratio <= THRESHOLDS.at_floor => ", the noise floor".to_owned(),
+        ratio if ratio <= THRESHOLDS.at_floor => ", at the noise floor".to_owned(),
         ratio => format!(", {ratio:.1} times the noise floor"),
     };
     let error = format::significant(*window_rms, 3);
@@ -47,7 +47,7 @@ mod tests {
              simulation error to 0.0612 rad/s, 1.7 times the noise floor."
         );
         assert!(
-            words(&formula(0.0412, false), &errors).ends_with("0.0412 rad/s, the noise floor.")
+            words(&formula(0.0412, false), &errors).ends_with("0.0412 rad/s, at the noise floor.")
         );
     }
 }

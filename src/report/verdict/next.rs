@@ -4,18 +4,29 @@ use super::effects::title;
 use crate::report::format;
 use crate::study::{Advice, DiagnosisStudy};
 
+/// Probability of the right decision from which an experiment is worth its time: the usual power of a test (Cohen,
+/// Statistical Power Analysis, 1988).
+const POWER: f64 = 0.8;
+
 /// The recommended next step or recording, with the manoeuvre written for it; `None` if no recording is
 /// recommended.
 #[must_use]
 pub fn recommendation(diagnosis: &DiagnosisStudy) -> Option<String> {
     let mut sentences: Vec<String> = diagnosis.next.iter().map(words).collect();
     sentences.extend(diagnosis.proposal.iter().map(|proposal| {
-        format!(
-            "A suitable manoeuvre of {:.0} s is in next_run.csv (set-points) and next_run.toml (segments); one run of it \
-             identifies the right effect with a probability of {}.",
-            proposal.movement.duration(),
-            format::probability(proposal.probability)
-        )
+        let (duration, probability) = (proposal.movement.duration(), proposal.probability);
+        let shown = format::probability(probability);
+        let files = "next_run.csv (set-points) and next_run.toml (segments)";
+        match probability < POWER {
+            true => format!(
+                "No manoeuvre of {duration:.0} s that was tried distinguishes them; the best, in {files}, identifies the \
+                 right effect with a probability of {shown} only."
+            ),
+            false => format!(
+                "A suitable manoeuvre of {duration:.0} s is in {files}; one run of it identifies the right effect with a \
+                 probability of {shown}."
+            ),
+        }
     }));
     (!sentences.is_empty()).then(|| sentences.join(" "))
 }

@@ -157,8 +157,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             ms(lag_s)
         ),
         Kind::OfAngle { share } => format!(
-            "{name} was computed from the angle: a filter of it leaves {:.1} % of the noise that \
-                 an own sensor would leave at least",
+            "{name} was computed from the angle: it has {:.1} % of the least noise of a sensor of its own",
             percent(share)
         ),
         Kind::Counts { step_rad, rows } => format!(
@@ -218,7 +217,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::StartHeading { .. } => "the angles are shifted",
         Kind::StartAngle { .. } => "shifted",
         Kind::Differences { .. } => "not used: it has no information beyond the angle",
-        Kind::OfAngle { .. } => "left out: it holds nothing beside the angle",
+        Kind::OfAngle { .. } => "left out: it adds nothing to the angle",
         Kind::Counts { .. } => "replaced by the angle that the counts add up to",
         Kind::FewLevels { .. } => "treated as a command without noise",
         Kind::Magnitude => "takes the sign of the speed",

@@ -130,15 +130,16 @@ impl fmt::Display for Note {
             Self::InputShift(late, error) => {
                 let way = if *late > 0.0 { "after" } else { "before" };
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
-                write!(f, "The input acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
+                write!(f, "After conditioning, the input still acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
             }
-            Self::Late(late, error) => write!(
-                f,
-                "The motion follows the input {:.1} ± {:.1} ms later than it is recorded; the model of this fit has no \
-                 such time.",
-                1e3 * late,
-                1e3 * error
-            ),
+            Self::Late { time, error, fitted } => {
+                let rest = match fitted {
+                    true => "This fit has a delay of the input for it; a lag of the actuator would look alike.",
+                    false => "This fit has no such time.",
+                };
+                let (time, error) = (1e3 * time, 1e3 * error);
+                write!(f, "The motion starts {time:.1} ± {error:.1} ms after the recorded input. {rest}")
+            }
             Self::DrivingFriction(negative) => {
                 let values: Vec<_> = negative.iter().map(|(s, v)| format!("{s} = {v:.3e}")).collect();
                 write!(
@@ -243,10 +244,13 @@ impl fmt::Display for Unknown {
                 write!(
                     f,
                     "{first} and {second} are indistinguishable from these data; identifiable is {first} {other} = \
-                     {} ± {}",
-                    digits(*value, 4),
-                    digits(*std_error, 2)
-                )
+                     {}",
+                    digits(*value, 4)
+                )?;
+                match std_error.is_finite() {
+                    true => write!(f, " ± {}", digits(*std_error, 2)),
+                    false => Ok(()),
+                }
             }
             Self::Several(symbols) => write!(
                 f,

@@ -173,6 +173,25 @@ fn speeds_beside_large_currents_are_not_in_milliamperes() {
 }
 
 #[test]
+fn torques_in_whole_numbers_are_asked_for() {
+    let logged = |name: &str, top: f64| {
+        guess(&[
+            column("ms", |t| 1e3 * t),
+            column("vel_l", speed),
+            column("vel_r", speed),
+            column(&format!("left_{name}"), move |t| (top * t.cos()).round()),
+            column(&format!("right_{name}"), move |t| (top * t.cos()).round()),
+        ])
+    };
+    // drives of CiA 402 send per mille of their rated torque
+    let g = logged("torque_actual", 612.0);
+    assert!(of(&g, "M1").unit_open && of(&g, "M2").unit_open, "{:?}", g.columns);
+    assert!(g.questions.iter().any(|q| q.contains("per mille of the rated torque")));
+    assert!(!of(&logged("torque_actual", 5.0), "M1").unit_open);
+    assert!(!of(&logged("torque_mNm", 612.0), "M1").unit_open);
+}
+
+#[test]
 fn days_of_a_calendar_are_known_by_their_size() {
     for start in [739_373.416_7, 45_413.416_7, 19_844.416_7] {
         let g = guess(&[

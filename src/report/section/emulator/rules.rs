@@ -61,7 +61,7 @@ fn consequents(study: &Study, system: &FuzzyStudy) -> Option<Figure> {
             consequents.chunks(counts[1]).rev().map(<[f64]>::to_vec).collect();
         let text = values
             .iter()
-            .map(|row| row.iter().map(|v| format::significant(*v, 2)).collect())
+            .map(|row| row.iter().map(|v| format::fixed(*v, usize::from(v.abs() < 9.95))).collect())
             .collect();
         let map = HeatMap {
             rows: (1..=counts[0]).rev().map(|n| n.to_string()).collect(),

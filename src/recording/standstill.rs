@@ -1,6 +1,6 @@
 //! Samples at rest, determined from the sensors.
 
-use crate::recording::Recording;
+use super::Recording;
 
 /// Samples on both sides that are averaged.
 const HALF: usize = 5;
@@ -17,7 +17,7 @@ const ANGLE: f64 = 0.02;
 /// ```
 /// `sigma_alpha` \[rad\] and `sigma_omega` [rad/s] are the standard deviations of the noise.
 #[must_use]
-pub fn standstill(
+pub(super) fn standstill(
     recording: &Recording,
     sigma_alpha: &[f64; 2],
     sigma_omega: &[f64; 2],
