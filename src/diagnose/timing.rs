@@ -69,13 +69,17 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let scale = scale_of(model, p, recordings);
     let smoothed = Smoothed::new(recordings, scale.bandwidth);
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
-    let balanced = by_balance(&regression, step)?;
-    let simulated = by_simulation(model, p, balanced.0, recordings, hold, &scale);
+    let balanced = by_balance(&regression, step);
+    let start = balanced.map_or(0.0, |(shift, _)| shift);
+    let simulated = by_simulation(model, p, start, recordings, hold, &scale);
     let shift = simulated.and_then(|s| s.shift);
-    let (dead_time_s, std_error_s) = shift.unwrap_or_else(|| of_input(balanced, step, hold));
+    let (dead_time_s, std_error_s) =
+        shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
     let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
-    let something_else = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
+    // above the floor the model lacks another effect, which the shift may compensate; without a simulation nobody knows
+    let something_else =
+        shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
     let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
@@ -87,6 +91,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
 /// ```text
 /// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
 /// ```
+/// `None` without a minimum inside the range, or with an uncertainty beyond it: the balance does not determine the shift.
 fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
     let at = |shift: f64| regression.square_at_shift(shift);
     let latest = (LONGEST / step).ceil().max(-EARLIEST);
@@ -110,7 +115,10 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
         return None;
     }
     let shift = best + 0.5 * h * (before - after) / (before - 2.0 * least + after).max(1e-300);
-    Some((shift, (2.0 * least / (regression.degrees * bend)).sqrt()))
+    // the vertex of a parabola far from its three points is no minimum of the sum
+    let inside = (shift - best).abs() <= h && shift > coarse(0) && shift < coarse(count - 1);
+    let std_error = (2.0 * least / (regression.degrees * bend)).sqrt();
+    (inside && std_error < LONGEST).then_some((shift, std_error))
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a smoothed

@@ -5,7 +5,7 @@ use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
-use crate::identify::{IdentifyError, Note, Task, start};
+use crate::identify::{IdentifyError, Note, Task, start, start_without_friction};
 use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
@@ -174,6 +174,7 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
         out.extend(start::start(&Task { train: &moved, ..*task }, "diagnosis").ok());
     }
     out.extend(start::start(task, "diagnosis").ok());
+    out.extend(start_without_friction(task));
     out.push(task.model.initial());
     out
 }

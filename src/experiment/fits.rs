@@ -48,7 +48,8 @@ fn fit(
     let identify = |model: &Model| {
         let task = Task { model, train, hold: plan.hold, seed: plan.seed };
         let fit = super::long::identify(&*method.method, &task, &long)?;
-        Ok(fit.between_rows(train, plan.hold).driving_frictions(model))
+        let fit = fit.between_rows(train, plan.hold).under_one_size(train);
+        Ok(fit.driving_frictions(model))
     };
     let fit = match plan.late() {
         Some(timing) => with_dead_time(&plan.fitted_model(), timing, identify),

@@ -12,6 +12,7 @@ mod inverse_dynamics;
 mod linear_fit;
 mod method;
 mod note;
+mod one_size;
 mod open_loop;
 mod profile;
 mod reason;
@@ -34,6 +35,7 @@ pub use method::{
 };
 
 pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
+pub(crate) use one_size::start_without_friction;
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};

@@ -71,6 +71,14 @@ pub enum Note {
     },
     /// Symbols and values of frictions that are negative with their whole intervals.
     DrivingFriction(Vec<(String, f64)>),
+    /// Parameters of a balance that a dry friction explains alone: it is as large as the input of its wheel, which
+    /// has one size while the wheel turns.
+    OneSize {
+        /// Their symbols.
+        symbols: Vec<String>,
+        /// Size of the input.
+        size: f64,
+    },
     /// The larger part of the inertias may be made of what the input does between its rows.
     BetweenRows {
         /// Their symbols.

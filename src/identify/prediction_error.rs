@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::identifiability::identified;
 use super::inverse_dynamics::Regression;
+use super::one_size::start_without_friction;
 use super::open_loop::{OpenLoop, mean};
 use super::profile::{Profile, profile};
 use super::torque_regression::TorqueRegression;
@@ -216,6 +217,7 @@ fn starts(task: &Task, rows: Option<&Regression>) -> Result<Vec<Vec<f64>>, Ident
         start::sound(task.model, &mut p);
         all.push(p);
     }
+    all.extend(start_without_friction(task));
     all.push(task.model.initial());
     Ok(all)
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::{Look, Search};
-use crate::diagnose::candidate::{Candidate, column_size};
+use crate::diagnose::candidate::{Candidate, Form, column_size};
 use crate::diagnose::fit::{WindowFit, fit, fit_within};
 use crate::diagnose::input_timing::SYMBOL;
 use crate::diagnose::outcome::Ranked;
@@ -53,7 +53,7 @@ impl Search<'_> {
                 let end = fit(&self.windows, &found.model, &found.p, &self.scale);
                 found = end.unwrap_or(found);
             }
-            r.refit = within(r, &found).then_some(found);
+            r.refit = (within(r, &found) && self.is_driven(present, r, &found)).then_some(found);
             let is_noise = !self.is_far_above(r);
             if let Some(refit) = &r.refit {
                 let ratio = self.degrees * (present.cost / refit.cost).ln();
@@ -135,9 +135,26 @@ impl Search<'_> {
 
     /// Root mean square torque of a candidate at its estimates [N m].
     pub(super) fn size(&self, present: &WindowFit, r: &Ranked) -> f64 {
+        self.size_at(present, r, &r.estimate)
+    }
+
+    /// The same at other values of its columns.
+    fn size_at(&self, present: &WindowFit, r: &Ranked, values: &[f64]) -> f64 {
         let sizes = column_size(&r.candidate, &present.model, &self.windows.recordings);
-        let squares = r.estimate.iter().zip(&sizes).map(|(e, s)| (e * s).powi(2));
+        let squares = values.iter().zip(&sizes).map(|(e, s)| (e * s).powi(2));
         squares.sum::<f64>().sqrt()
+    }
+
+    /// Whether the torque of a refitted candidate is no larger (rms) than the largest input of the recordings. A larger
+    /// one is cancelled by another term of the model, from which the recordings do not distinguish it: an offset
+    /// by friction or back-EMF where the robot kept to one speed.
+    fn is_driven(&self, present: &WindowFit, r: &Ranked, fit: &WindowFit) -> bool {
+        if !matches!(r.candidate.form, Form::Instant) {
+            return true;
+        }
+        let first = fit.p.len() - r.candidate.p.len();
+        let own: Vec<f64> = r.candidate.linear.iter().map(|&j| fit.p[first + j]).collect();
+        self.size_at(present, r, &own) <= self.scale.torque_quantile(1.0)
     }
 
     /// The `count` starts with the lowest cost.

@@ -191,3 +191,31 @@ fn a_lag_that_the_base_fit_took_for_inertia_is_found() {
         assert!(first.id == "actuator_lag" && (at / tau - 1.0).abs() < 0.02, "{tau}: {at}");
     }
 }
+
+#[test]
+fn a_balance_without_a_minimum_inside_its_range_gives_no_time() {
+    // steps of one size, which dry friction of that size explains at any time
+    let model = Model::with_effects(Robot::amigobot(), &["back_emf"]).unwrap();
+    let p = [3.5e-4, 0.0, 0.0, 0.12, 0.12, 0.0193];
+    let steps = |size: f64| {
+        let t: Vec<f64> = (0..600).map(|k| 0.005 * f64::from(k)).collect();
+        let volts = |late: usize| (0..600).map(move |k| [if k > late { size } else { 0.0 }; 2]);
+        // the motor has it 60 ms later
+        let acting: Vec<[f64; 2]> = volts(12).collect();
+        let input = Input { t: &t, torque: &acting, hold: Hold::Constant };
+        let rest = State { alpha: [0.0; 2], omega: [0.0; 2] };
+        let states = simulate(&model, &p, &input, rest).unwrap();
+        let channels = Channels {
+            alpha: Some(states.iter().map(|s| s.alpha).collect()),
+            omega: Some(states.iter().map(|s| s.omega).collect()),
+            torque: volts(0).collect(),
+            t,
+        };
+        Recording::new("step", channels, DriveUnit::Volt).unwrap()
+    };
+    let both = [steps(7.0), steps(-7.0)];
+    let first = started(&model, &both);
+    let found = timing(&model, &first, &both.iter().collect::<Vec<_>>(), Hold::Constant);
+    let right = |f: &Timing| (f.dead_time_s - 0.06).abs() < 0.005 + 3.0 * f.std_error_s;
+    assert!(found.as_ref().is_none_or(|f| right(f) && f.correction_s == 0.0), "{found:?}");
+}

@@ -140,6 +140,13 @@ impl fmt::Display for Note {
                 let (time, error) = (1e3 * time, 1e3 * error);
                 write!(f, "The motion starts {time:.1} ± {error:.1} ms after the recorded input. {rest}")
             }
+            Self::OneSize { symbols, size } => write!(
+                f,
+                "{} not identifiable: while the wheels turn, the input has the one size {}, which a friction of that size \
+                 explains alone. Record inputs of several sizes.",
+                symbols.join(", "),
+                digits(*size, 3)
+            ),
             Self::DrivingFriction(negative) => {
                 let values: Vec<_> = negative.iter().map(|(s, v)| format!("{s} = {v:.3e}")).collect();
                 write!(

@@ -1,0 +1,123 @@
+//! Friction under an input of one size.
+
+use super::start::start;
+use super::{Fit, Note, Task};
+use crate::model::Model;
+use crate::model::base::{A4, A5};
+use crate::recording::Recording;
+
+/// Wheels slower than this share of the top speed count as at rest, as in the regressions.
+const REST: f64 = 0.025;
+/// Variation of an input, relative to its size, below which it has one size, and distance of a friction from that size
+/// below which it explains the input alone (judgement: a tenth is more than the sag of a battery).
+const ONE: f64 = 0.1;
+
+/// The size of the input of each wheel while it turns, if it has only one: the mean of M sgn(ω) over rows in which
+/// the wheel moves, where the values vary by less than a tenth (rms) about it.
+///
+/// ```text
+/// a1 dω + a4 sgn(ω) + … = M = c sgn(ω)   has the exact solution a4 = c, all others zero
+/// ```
+/// A balance of torques takes that solution, though such a robot would not accelerate.
+pub(super) fn sizes(recordings: &[Recording]) -> [Option<f64>; 2] {
+    [0, 1].map(|i| {
+        let along = |r: &Recording| {
+            let rest = REST * r.top_speed();
+            let rows = r.omega().iter().zip(r.torque());
+            let moving = rows.filter(move |(w, _)| w[i].abs() > rest);
+            moving.map(|(w, m)| m[i] * w[i].signum()).collect::<Vec<_>>()
+        };
+        let values: Vec<f64> = recordings.iter().flat_map(along).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
+        (mean > 0.0 && square.sqrt() < ONE * mean).then_some(mean)
+    })
+}
+
+/// A start without dry friction on wheels whose input has one size; `None` if there are none.
+pub(crate) fn start_without_friction(task: &Task) -> Option<Vec<f64>> {
+    let of_one_size =
+        [A4, A5].into_iter().zip(sizes(task.train)).filter(|(_, size)| size.is_some());
+    let free = of_one_size.filter(|(j, _)| task.model.parameters()[*j].fixed.is_none());
+    let symbols: Vec<&str> =
+        free.map(|(j, _)| task.model.parameters()[j].spec.symbol.as_str()).collect();
+    let fix = |model: Model, symbol: &&str| model.fix(symbol, 0.0).ok();
+    let held = symbols.iter().try_fold(task.model.clone(), fix).filter(|_| !symbols.is_empty())?;
+    start(&Task { model: &held, ..*task }, "start").ok()
+}
+
+impl Fit {
+    /// The same with dry friction marked as not identifiable where it is as large as an input of one size, and with
+    /// all other parameters too where that holds for both wheels: they are zero beside it.
+    #[must_use]
+    pub fn under_one_size(mut self, train: &[Recording]) -> Self {
+        let explains = |j: usize, size: f64| {
+            let estimate = self.estimates.get(j).filter(|e| e.identifiable && !e.fixed);
+            estimate.is_some_and(|e| (e.value - size).abs() < ONE * size)
+        };
+        let found = [A4, A5].into_iter().zip(sizes(train));
+        let found: Vec<(usize, f64)> = found
+            .filter_map(|(j, size)| Some((j, size?)))
+            .filter(|&(j, size)| explains(j, size))
+            .collect();
+        let Some(&(_, size)) = found.first() else { return self };
+        let is_estimated = |j: &usize| {
+            let (all, e) = (found.len() == 2, &self.estimates[*j]);
+            e.identifiable && !e.fixed && (all || found.iter().any(|(k, _)| k == j))
+        };
+        let places: Vec<usize> = (0..self.estimates.len()).filter(is_estimated).collect();
+        places.iter().for_each(|&j| self.set_unidentifiable(j));
+        let symbols = places.iter().map(|&j| self.estimates[j].symbol.clone()).collect();
+        self.notes.push(Note::OneSize { symbols, size });
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::find;
+    use crate::recording::{Channels, DriveUnit};
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Hold, Input, simulate};
+
+    /// A motor under steps of 8 V both ways: J dω = u - k ω - f sgn(ω), as two equal wheels.
+    fn steps(level: impl Fn(usize) -> f64) -> Recording {
+        let model = Model::with_effects(Robot::amigobot(), &["back_emf"]).unwrap();
+        let p = [0.03, 0.0, 0.0, 1.0, 1.0, 0.2];
+        let t: Vec<f64> = (0..1500).map(|k| 0.01 * f64::from(k)).collect();
+        let torque: Vec<[f64; 2]> = (0..1500).map(|k| [level(k / 250); 2]).collect();
+        let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
+        let rest = State { alpha: [0.0; 2], omega: [0.0; 2] };
+        let states = simulate(&model, &p, &input, rest).unwrap();
+        let channels = Channels {
+            alpha: None,
+            omega: Some(states.iter().map(|s| s.omega).collect()),
+            torque,
+            t,
+        };
+        Recording::new("steps", channels, DriveUnit::Volt).unwrap()
+    }
+
+    #[test]
+    fn friction_is_not_identifiable_where_it_explains_the_only_input() {
+        let model = Model::with_effects(Robot::amigobot(), &["back_emf"]).unwrap();
+        let of = |level: &dyn Fn(usize) -> f64| {
+            let train = [steps(level)];
+            let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
+            let fit = find("torque_regression").unwrap().identify(&task).unwrap();
+            (fit.under_one_size(&train), start_without_friction(&task))
+        };
+        let (fit, start) = of(&|n| if n % 2 == 0 { 8.0 } else { 0.0 });
+        assert!(fit.estimates.iter().all(|e| !e.identifiable), "{:?}", fit.estimates);
+        let is_said =
+            |n: &Note| matches!(n, Note::OneSize { size, .. } if (size - 8.0).abs() < 0.1);
+        assert!(fit.notes.iter().any(is_said), "{:?}", fit.notes);
+        // without friction the time constant of the motion is right: J/k = 0.15 s
+        let start = start.unwrap();
+        assert!(((start[0] + start[1]) / start[5] - 0.15).abs() < 0.03, "{start:?}");
+        let (fit, start) = of(&|n| [8.0, 4.0, -6.0][n % 3]);
+        assert!(fit.estimates[3].identifiable && start.is_none(), "{:?}", fit.estimates);
+    }
+}
