@@ -341,7 +341,7 @@ fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
     let draws = [normal(rng), normal(rng)];
     let single = local.omega[0] == local.omega[1];
     for i in 0..2 {
-        // a wheel that counted as resting stays so: the draw is about the noise of its speed
+        // a wheel at rest stays at rest: noise is drawn only for moving wheels
         if first.omega[i] != 0.0 {
             let draw = if single { draws[0] } else { draws[i] };
             first.omega[i] = local.omega[i] + local.omega_variance[i].sqrt() * draw;

@@ -261,7 +261,8 @@ fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
         } else if let ([_], Some(kind), true) = (&of[..], kind, many) {
             let words = kind.words();
             said.push(format!(
-                "one recording alone is {words}: it is fitted, and nothing validates it"
+                "only one recording is {words}: it is used for training, so this kind of movement is not \
+                 validated"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! What angles and speeds tell with the noise of their sensors.
+//! Sensor noise, standstill and independent channels of a recording.
 
 use super::standstill::standstill;
 use super::{Noise, Recording, Sensing};
@@ -33,8 +33,8 @@ impl Recording {
         }
     }
 
-    /// In the middle of the longest piece: with even samples it is the same nearly everywhere. Rows that
-    /// repeat a slow sensor tell nothing, nor do speeds made from angles.
+    /// In the middle of the longest piece: for equidistant samples it is nearly constant. Repeated
+    /// values of a slow sensor and speeds computed from angles contain no information.
     fn speed_variance(&self, noise: &Noise, speeds: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
         let repeated = (self.len() as f64 / fresh as f64).sqrt();

@@ -26,7 +26,7 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) scale_open: bool,
     /// Whether it is a command that is a share of the battery's voltage.
     pub(in crate::experiment) is_share: bool,
-    /// Whether the values are steps, and what is meant is their sum.
+    /// Whether the values are increments that must be summed.
     pub(in crate::experiment) sum: bool,
     /// Added after the factor.
     pub(in crate::experiment) offset: Option<f64>,

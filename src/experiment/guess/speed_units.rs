@@ -7,7 +7,7 @@ use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, nam
 use super::values::{largest, seconds, values_of};
 use crate::io::PreviewColumn;
 
-/// Wheel speed beyond which a number is rather one of rpm [rad/s].
+/// Wheel speed above which a number is more likely in rpm [rad/s].
 const FAST: f64 = 120.0;
 /// Radius of the wheels with which candidates are compared \[m\].
 const RADIUS: f64 = 0.05;
@@ -74,9 +74,10 @@ fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static s
     })
 }
 
-/// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a position,
-/// where the speeds beside them do not show it, and of those that would turn faster than wheels do and are no joints. A speed without
-/// unit that is the slope of a position has the same unit a second, which nothing shows.
+/// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a
+/// position, where the speeds beside them do not show it, and of those that would turn faster than wheels do and are
+/// no joints. A speed without unit that is the slope of a position has the same unit per second, which the data do
+/// not show.
 fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let of = |name: &str| values_of(columns, name);
     let speed = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix('d') == Some(key));
@@ -123,7 +124,8 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     angles.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// The speed in the unit of an angle a second that nearly all rows stay below: not the wraps of a counter.
+/// The speed, in the unit of the angle per second, that nearly all rows stay below; wraps of a counter are
+/// excluded.
 fn slope(columns: &[PreviewColumn], guess: &Guess, angle: &Guessed) -> Option<f64> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     let (t, a) = (values_of(columns, &time.name), values_of(columns, &angle.name));
@@ -171,7 +173,7 @@ fn agrees(columns: &[PreviewColumn], guess: &Guess, speed: &Guessed) -> bool {
     for k in 1..t.len().min(a.len()).min(w.len()) {
         let step = 0.5 * (w[k] + w[k - 1]) * (t[k] - t[k - 1]) * second;
         let turned = unit * (a[k] - a[k - 1]);
-        // a wrap is no motion
+        // a wrap is not motion
         if step.is_finite() && turned.is_finite() && turned.abs() < PI {
             passed += turned * step.signum();
             way += step.abs();

@@ -17,7 +17,7 @@ const STATED: f64 = 0.1;
 const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
-/// More than any motor of a small robot draws \[A\].
+/// Larger than the current of any motor of a small robot \[A\].
 const AMPERES: f64 = 200.0;
 
 /// What metres need.
@@ -67,10 +67,10 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
-/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (judgement).
+/// Share of a speed range below which a sign change is noise of a sensor at rest (judgement).
 pub(super) const AT_REST: f64 = 0.05;
 
-/// The least and the largest of values, with zero among them.
+/// The smallest and the largest of the values and zero.
 pub(super) fn extent(values: &[f64]) -> (f64, f64) {
     let finite = values.iter().copied().filter(|v| v.is_finite());
     finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
@@ -160,8 +160,8 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
 }
 
 impl Guess {
-    /// Takes the period of the rows that the file states where no column is the time, or one counts the rows; whether it
-    /// was needed.
+    /// Uses the period of the rows that the file states if no column is the time, or if one counts the rows; returns
+    /// whether it was needed.
     pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
         match self.columns.iter_mut().find(|c| c.key == "t") {
             Some(t) if t.scale_open => {
@@ -257,7 +257,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
         ));
         return;
     }
-    // fractions at a slow rate are no milliseconds where those would make no log
+    // fractions at a slow rate are not milliseconds if those would give an implausible log
     let is_slow = !whole(values)
         && (SLOWEST..RATES.0).contains(&rate(1.0))
         && (last - first) * 1e-3 < SHORTEST

@@ -95,7 +95,7 @@ impl<'a> Overlay<'a> {
     fn among(&self) -> String {
         match self.study.judged().len() {
             ..2 => String::new(),
-            many => format!("; the error in the verdict is that over all {many} recordings"),
+            many => format!("; the verdict gives the RMS error over all {many} recordings"),
         }
     }
 

@@ -63,7 +63,7 @@ fn a_speed_without_unit_is_in_that_in_which_an_encoder_has_its_counts() {
         assert_eq!((of(&g, "dalpha1").unit.as_deref(), of(&g, "alpha1").per_turn), expected);
         assert_eq!(of(&g, "dalpha1").unit_open, asked);
     }
-    // 8192 x 0.37 counts a turn are none of an encoder: a speed in a unit of its own does not give them
+    // 8192 x 0.37 counts per turn are none of an encoder: a speed in a unit of its own does not give them
     let g = logged(8192.0, 1.0 / 0.37);
     assert_eq!(of(&g, "alpha1").per_turn, None);
     assert!(g.questions.iter().any(|q| q.contains("how many counts")), "{:?}", g.questions);
