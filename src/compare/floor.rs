@@ -94,7 +94,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let share = noise + STEPS * (1.0 - noise);
     let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
-    let speed = recording.noise().omega.map(|s| s * s);
+    let speed = recording.motion_noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| {
         speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
     });

@@ -62,14 +62,14 @@ impl<'a> Windows<'a> {
                 }));
             }
         }
-        let levels = recordings.iter().map(|r| r.noise());
+        let levels = recordings.iter().map(|r| r.input_noise());
         let (noise, growth) = levels
             .zip(&recordings)
             .map(|(noise, r)| {
                 // a channel without visible noise still has rounding
                 let rounding = 1e-6 * r.top_speed();
                 let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
-                let input = noise.torque.map(|s| (s * mobility).powi(2) * r.step());
+                let input = noise.map(|s| (s * mobility).powi(2) * r.step());
                 let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
             })

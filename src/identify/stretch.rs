@@ -53,7 +53,7 @@ impl Treatment {
         let step = recording.step();
         let cutoff = cutoff(recording, cutoff_hz, noise_share);
         let ordinary = || {
-            let sigma = recording.noise().omega;
+            let sigma = recording.motion_noise().omega;
             let left = (2.0 * sharper(cutoff, step) * step).sqrt();
             (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]))
         };
@@ -142,7 +142,7 @@ fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
         let square: f64 =
             motion.iter().map(|m| m.acceleration[0].powi(2) + m.acceleration[1].powi(2)).sum();
         let rms = (square / (2.0 * motion.len() as f64)).sqrt();
-        let noise = recording.noise();
+        let noise = recording.motion_noise();
         let sigma = noise.omega[0].max(noise.omega[1]).max(1e-12);
         let turn = std::f64::consts::TAU;
         let allowed = (noise_share * rms).powi(2);

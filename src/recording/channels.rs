@@ -35,6 +35,15 @@ pub struct SlowNoise {
     pub time_s: f64,
 }
 
+/// Standard deviations of the white noise of the motion sensors, right wheel first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionNoise {
+    /// Angles \[rad\].
+    pub alpha: [f64; 2],
+    /// Speeds [rad/s].
+    pub omega: [f64; 2],
+}
+
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Noise {

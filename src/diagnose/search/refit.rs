@@ -79,9 +79,9 @@ impl Search<'_> {
         if !candidate.is_shift() {
             return 0.0;
         }
-        let first = fit.p.len() - candidate.p.len();
-        let beyond = (fit.p[first] - self.scale.logging).max(0.0);
-        let variance = fit.covariance[(first, first)];
+        let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
+        let beyond = (fit.p[j] - self.scale.logging).max(0.0);
+        let variance = fit.covariance[(j, j)];
         if variance > 0.0 { beyond.powi(2) / variance } else { 0.0 }
     }
 
@@ -180,7 +180,8 @@ impl Search<'_> {
     ) -> Vec<f64> {
         let mut own = candidate.p.clone();
         if candidate.is_shift() {
-            own[0] = estimate.first().copied().unwrap_or(own[0]).max(self.scale.logging);
+            let time = &mut own[candidate.effect.time()];
+            *time = estimate.first().copied().unwrap_or(*time).max(self.scale.logging);
         } else {
             for (value, &j) in estimate.iter().zip(&candidate.linear) {
                 own[j] = *value;
@@ -203,12 +204,14 @@ impl Search<'_> {
             inside && candidate.effect.is_itself(&fit.p[first..], &errors, fit.model.robot());
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
-        let error = fit.covariance[(first, first)].sqrt();
-        let beyond = fit.p[first] - self.scale.logging;
-        let late = !candidate.is_shift()
-            || beyond > THRESHOLDS.uncertain * error
-                && beyond > THRESHOLDS.least_shift * self.scale.step;
-        inside && some && late
+        inside && some && (!candidate.is_shift() || self.is_late(candidate, fit))
+    }
+
+    /// Whether the time of a shift significantly exceeds what logging explains.
+    fn is_late(&self, candidate: &Candidate, fit: &WindowFit) -> bool {
+        let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
+        let (beyond, error) = (fit.p[j] - self.scale.logging, fit.covariance[(j, j)].sqrt());
+        beyond > THRESHOLDS.uncertain * error && beyond > THRESHOLDS.least_shift * self.scale.step
     }
 }
 

@@ -50,7 +50,7 @@ impl Search<'_> {
     pub(super) fn probability_of_logging(&self, after: &WindowFit) -> f64 {
         let Some(held) = &self.held else { return 1.0 };
         let Some(e) = shifts(&after.model).next_back() else { return 1.0 };
-        let j = after.model.slots(e).start;
+        let j = after.model.slots(e).start + after.model.effects()[e].time();
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
         let t = (own.p[j] - self.scale.logging) / own.covariance[(j, j)].sqrt();

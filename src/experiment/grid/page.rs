@@ -146,10 +146,11 @@ type Count = (&'static str, fn(&Summary) -> usize);
 
 /// Number of estimates, and of missing ones if there are any.
 fn counts(summaries: &[Summary]) -> Vec<Count> {
-    let all: [Count; 3] =
-        [("n", |s| s.n), ("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
-    let says = |(title, of): &Count| *title == "n" || summaries.iter().any(|s| of(s) > 0);
-    all.into_iter().filter(says).collect()
+    let missing: [Count; 2] =
+        [("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
+    let occurs = |(_, of): &Count| summaries.iter().any(|s| of(s) > 0);
+    let estimates: Count = ("n", |s| s.n);
+    std::iter::once(estimates).chain(missing.into_iter().filter(occurs)).collect()
 }
 
 fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {

@@ -35,7 +35,7 @@ pub(super) fn look(
     let of = |name: &str| values_of(columns, name);
     if guess.drive_unit == DriveUnit::NewtonMetre {
         let asked = battery.and_then(|(battery, _)| effort(columns, battery, guess));
-        guess.questions.extend(asked);
+        guess.ask_all(asked);
     }
     if guess.drive_unit != DriveUnit::Volt {
         return;
@@ -48,7 +48,7 @@ pub(super) fn look(
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
         let asked = millivolts(&mut inputs, of);
-        guess.questions.extend(asked);
+        guess.ask_all(asked);
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
@@ -90,17 +90,17 @@ pub(super) fn look(
             let milli = if factor == 1.0 { "" } else { ", which is in mV" };
             one.evidence.push(format!("{full} is the full battery voltage{milli}"));
         }
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             column.name,
             volts_of(column, factor)
         ));
     } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` reaches {reaches}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2"
         ));
     } else {
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` is a share of the battery voltage{}: with {full} for the full 12 V write \
              scale = {:.5}{} in M1 and M2; otherwise one volt of the results is one unit of the command",
             if rest.is_some() { String::new() } else { format!(" and reaches {reaches}") },

@@ -54,10 +54,9 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
         }
         if !asked {
             asked = true;
-            guess.questions.push(
+            guess.ask(
                 "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
-                 per_turn"
-                    .into(),
+                 per_turn",
             );
         }
     }

@@ -101,7 +101,7 @@ impl Directions {
         }
         asked.dedup();
         if !asked.is_empty() {
-            guess.questions.push(format!(
+            guess.ask(format!(
                 "which value of {} is backward? Write it as backward, in quotes",
                 asked.join(" and of ")
             ));
@@ -245,7 +245,7 @@ mod tests {
         );
         let g = log(|t| t, &["X", "Y"]);
         assert!(
-            input(&g).backward_open && g.questions.join(" ").contains("`dirR` (X or Y)"),
+            input(&g).backward_open && g.asked().contains("`dirR` (X or Y)"),
             "{:?}",
             g.questions
         );

@@ -64,7 +64,11 @@ mod tests {
         let vesc = log(["rpm", "avg_motor_current", "duty_now"]);
         let speed = vesc.columns.iter().find(|c| c.key == "dalpha1").unwrap();
         assert!(speed.scale_open, "{speed:?}");
-        assert!(vesc.questions.iter().any(|q| q.contains("pole pairs")), "{:?}", vesc.questions);
+        assert!(
+            vesc.questions.iter().any(|q| q.text.contains("pole pairs")),
+            "{:?}",
+            vesc.questions
+        );
         let other = log(["rpm", "motor_current", "duty"]);
         assert!(other.columns.iter().all(|c| !c.scale_open), "{other:?}");
     }

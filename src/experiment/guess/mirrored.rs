@@ -71,7 +71,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     let Some(share) = opposed(&rows) else { return };
     if !(drives(&input1, &w1) && drives(&input2, &w2) && mirror_each_other(&rows)) {
         // only one sign is wrong, which conditioning reports; or the two wheels move independently
-        guess.questions.push(Remark::Opposed { share }.to_string());
+        guess.ask(Remark::Opposed { share }.to_string());
         return;
     }
     let mut scales = vec![];
@@ -80,7 +80,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         one.scale_open = true;
         scales.push(format!("`{}` {:?} or {scale:?}", one.name, -scale));
     }
-    guess.questions.push(format!(
+    guess.ask(format!(
         "{} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {} (of a mirrored right \
          motor as of a turn on the spot, and scale = -1.0 in the columns of the right wheel)",
         mirrored_question(share),
@@ -197,7 +197,7 @@ mod tests {
         assert!(log(-1.0, true).questions.is_empty());
         let open = [(None, false), (None, true)];
         assert_eq!(scales(&log(-1.0, false)), [open, open].concat());
-        let asked = log(-1.0, false).questions.join(" ");
+        let asked = log(-1.0, false).asked();
         assert!(asked.contains("mirrored") && asked.contains("`left_A` -1.0 or 1.0"), "{asked}");
         assert_eq!(scales(&log(1.0, false)), [(None, false); 4]);
     }

@@ -98,7 +98,7 @@ mod tests {
             values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
             ..PreviewColumn::default()
         };
-        guess(&names.iter().map(column).collect::<Vec<_>>()).questions.join("\n")
+        guess(&names.iter().map(column).collect::<Vec<_>>()).asked()
     }
 
     #[test]

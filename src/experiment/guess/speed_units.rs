@@ -51,15 +51,15 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     }
     let digits = if top < 10.0 { 3 } else { 0 };
     let ground = |by: f64| format!("{:.2}", RADIUS * by * top);
-    guess.questions.push(format!(
-        "{} up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
+    let question = first.unit_question(&format!(
+        "up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
          would go {} m/s as rad/s, {} as rpm, {} as deg/s, {} as rev/s)",
-        first.asks_unit(),
         ground(1.0),
         ground(TAU / 60.0),
         ground(PI / 180.0),
         ground(TAU)
     ));
+    guess.ask(question);
     let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
     speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
@@ -103,7 +103,7 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let held = of(&first.name).iter().copied().filter(|v| v.is_finite());
     let (low, high) =
         held.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let range = format!("{} from {low:.2} to {high:.2}", first.asks_unit());
+    let range = format!("from {low:.2} to {high:.2}");
     let both = speed(first.key).filter(|w| is_slope(first) && !is_stated(w) && w.name != w.key);
     let question = match both {
         Some(w) => format!(
@@ -116,7 +116,8 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
         ),
     };
     let keys: &[&str] = if both.is_some() { &["alpha", "dalpha"] } else { &["alpha"] };
-    guess.questions.push(question);
+    let question = first.unit_question(&question);
+    guess.ask(question);
     let is_one = |c: &&mut Guessed| {
         keys.iter().any(|key| c.key.strip_prefix(key).is_some_and(|wheel| wheel.len() == 1))
     };

@@ -248,13 +248,19 @@ fn subject(channels: &[Channel]) -> String {
     }
 }
 
+impl Stated {
+    /// What was found, without its correction.
+    #[must_use]
+    pub fn what(&self) -> String {
+        let first = self.channels.first();
+        first.map_or_else(String::new, |c| found(&subject(&self.channels), self.kind, *c))
+    }
+}
+
 /// In a sentence.
 impl fmt::Display for Stated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(channel) = self.channels.first() else { return Ok(()) };
-        let name = subject(&self.channels);
-        let what = found(&name, self.kind, *channel);
-        let done = done(&name, self.kind);
+        let (what, done) = (self.what(), done(&subject(&self.channels), self.kind));
         match self.action {
             Action::Corrected(key) => {
                 write!(f, "{what}; {done} ([conditioning] {key} = false switches this off)")
