@@ -2,9 +2,9 @@
 //! and learn which physical effect is missing.
 //!
 //! The data flows one way: a [`recording`] is measured, [`identify`] fits a [`model`] (a sum of
-//! physical [`effects`]) to it, [`compare`] simulates the fit and sets it against the measurement,
-//! [`diagnose`] names the effect that is missing, [`study`] holds all results as plain data, and
-//! [`report`] draws them; [`export`] writes the model for other programs.
+//! physical [`effects`]) to it, [`compare`] simulates the fitted model and compares it with the
+//! measurement, [`diagnose`] names the effect that is missing, [`study`] holds all results as plain
+//! data, and [`report`] renders them; [`export`] writes the model for other programs.
 //!
 //! All quantities are in SI units; wheel 1 is the right one.
 //!
@@ -32,7 +32,7 @@
 //! let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
 //! let fit = PredictionError::default().identify(&task)?;
 //!
-//! // compare: RMSE of 2 s simulations, and what the noise alone would leave [rad/s]
+//! // compare: RMSE of 2 s simulations, and the noise floor [rad/s]
 //! let simulated = simulate_recording(&*fit.dynamics, &train[0], Hold::Linear)?;
 //! let floor = noise_floor(&*fit.dynamics, &train[0], Hold::Linear, 0)?.window_rms;
 //! assert!(window_rms(&train[0], &simulated.windows) > 1.5 * floor);

@@ -6,7 +6,7 @@ use super::IoError;
 use super::error::shown;
 use super::whole::{Content, WholeFormat};
 
-/// A word, then a name and its values a line.
+/// A word, then a name and its values per line.
 pub(super) const FORMAT: WholeFormat = WholeFormat {
     extension: "probe",
     magic: b"PROBE",

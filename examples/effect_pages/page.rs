@@ -106,17 +106,20 @@ fn reading(case: &Case, outcome: &Outcome) -> String {
         .map(|d| format!("{} ({:.0})", d.variable.words(), d.log_significance))
         .collect();
     let strongest = strongest.join(", ");
-    let reading = case.reading;
+    let reading = match case.reading {
+        "" => String::new(),
+        words => format!("{words}\n\n"),
+    };
     if case.against.is_some() {
         format!(
-            "{reading}\n\nThe residual torque is the torque that would have to be added to the recorded \
+            "{reading}The residual torque is the torque that would have to be added to the recorded \
              torque, so a missing resistance has the sign opposite to the motion. It does not contain \
              the part that the fitted parameters absorb. Strongest dependences (-ln p): \
              {strongest}.\n\n"
         )
     } else {
         format!(
-            "{reading}\n\nUpper panel: measured speed. Lower panel: error of the simulated speed \
+            "{reading}Upper panel: measured speed. Lower panel: error of the simulated speed \
              (moving average over nine samples), for the 2 s window in which adding the effect \
              lowers the error most. For comparison, the strongest dependences of the \
              residual torque are (-ln p): {strongest}.\n\n"

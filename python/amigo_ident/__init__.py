@@ -12,7 +12,7 @@ Quantities are in SI units (rad, rad/s, N m, s); wheel 1 is the right one.
 from __future__ import annotations
 
 from ._catalogue import effects, methods
-from ._errors import AmigoError, InputError, RunError
+from ._errors import AmigoError, ColumnError, InputError, RunError
 from ._experiment import Experiment
 from ._fit import Fit, identify, simulate
 from ._native import __version__
@@ -22,6 +22,7 @@ from ._study import Comparison, Diagnosis, Study, compare, diagnose
 
 __all__ = [
     "AmigoError",
+    "ColumnError",
     "Comparison",
     "Diagnosis",
     "Effect",

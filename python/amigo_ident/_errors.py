@@ -11,5 +11,9 @@ class InputError(AmigoError, ValueError):
     """Wrong arguments, files or data; the message gives the place, the problem and the remedy."""
 
 
+class ColumnError(InputError):
+    """A recording lacks a column that its column names require."""
+
+
 class RunError(AmigoError, RuntimeError):
     """A computation has no result: no fit exists, or the model cannot be simulated."""

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import polars as pl
 
 from . import _native
-from ._errors import InputError
+from ._errors import ColumnError, InputError
 from ._settings import RobotLike, robot_keys
 
 Columns = Mapping[str, Union[str, Mapping[str, Any]]]
@@ -46,10 +46,8 @@ def _columns_named() -> Iterator[None]:
     """Adds to the words of the command line, which name the experiment file, where Python names columns."""
     try:
         yield
-    except InputError as e:
-        if "there is no column" not in str(e):
-            raise
-        raise InputError(
+    except ColumnError as e:
+        raise ColumnError(
             f"{e} (in Python: the argument columns={{\"t\": \"…\"}}, or Experiment.from_recordings(paths), which finds the "
             "columns out)"
         ) from None

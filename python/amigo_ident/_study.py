@@ -85,7 +85,7 @@ class Study:
         """Measured and simulated motion of a recording, with the residual torque.
 
         :param recording: its name or number; the first judged one unless given.
-        :returns: one row a sample; the unit stands in the name of each column.
+        :returns: one row per sample; the unit stands in the name of each column.
         """
         columns = self._native.overlay(self._number(recording))
         return pl.DataFrame({name: np.frombuffer(values) for name, values in columns})

@@ -6,9 +6,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use serde::Serialize;
 
-/// What Python passes on as `InputError` or `RunError`.
+/// The exception of the error: `ColumnError`, `InputError` or `RunError`.
 pub(crate) fn raise(error: &ExperimentError) -> PyErr {
-    exception(if error.is_wrong_input() { "InputError" } else { "RunError" }, &error.to_string())
+    let class = match error {
+        _ if error.is_missing_column() => "ColumnError",
+        _ if error.is_wrong_input() => "InputError",
+        _ => "RunError",
+    };
+    exception(class, &error.to_string())
 }
 
 /// What went wrong in a run.

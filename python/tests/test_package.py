@@ -127,7 +127,7 @@ def test_errors_name_what_was_found_and_what_is_expected(slope, train, fit, tmp_
         fit.simulate([0.0, 0.0], np.zeros((2, 2)))
     with pytest.raises(ai.InputError, match=r"shape \(2, 2\)"):
         fit.simulate([0.0, 1.0], np.zeros((3, 2)))
-    with pytest.raises(ai.InputError, match=r"columns=.*from_recordings"):
+    with pytest.raises(ai.ColumnError, match=r"columns=.*from_recordings"):
         ai.Recording.from_frame(pl.DataFrame({"time": [0.0], "dalpha1": [0.0], "dalpha2": [0.0], "M1": [0.0]}))
     with pytest.raises(ValueError):  # an InputError is one
         ai.identify([])

@@ -94,7 +94,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let share = noise + STEPS * (1.0 - noise);
     let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
     let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
-    let speed = recording.noise().omega.map(|s| s * s);
+    let speed = recording.motion_noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| {
         speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
     });
@@ -341,7 +341,7 @@ fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
     let draws = [normal(rng), normal(rng)];
     let single = local.omega[0] == local.omega[1];
     for i in 0..2 {
-        // a wheel that counted as resting stays so: the draw is about the noise of its speed
+        // a wheel at rest stays at rest: noise is drawn only for moving wheels
         if first.omega[i] != 0.0 {
             let draw = if single { draws[0] } else { draws[i] };
             first.omega[i] = local.omega[i] + local.omega_variance[i].sqrt() * draw;

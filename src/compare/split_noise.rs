@@ -17,7 +17,7 @@ use crate::recording::{Recording, differentiate};
 #[must_use]
 pub(super) fn with_split_noise(recording: &Recording, seed: u64) -> [Recording; 2] {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let noise = recording.noise();
+    let noise = recording.motion_noise();
     let is_of_angles = !recording.measured().omega;
     let (signal, sigma) = match is_of_angles {
         true => (recording.alpha(), noise.alpha),

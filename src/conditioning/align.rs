@@ -1,8 +1,8 @@
-//! Channels that come at times of their own, brought to the rows of the fastest sensor.
+//! Channels with separate sampling times, resampled to the rows of the fastest sensor.
 //!
-//! A log that merges messages has a row for each, and in it the columns of that message alone; a log at a fixed
-//! rate repeats the last value of what is slower. In either case a column has values in some rows, its
-//! samples, and between them none:
+//! A log that merges messages has a row for each, with only the columns of that message; a log at a fixed rate
+//! repeats the last value of slower channels. In either case a column has values only in some rows, its
+//! samples:
 //!
 //! ```text
 //! rows           those in which the sensor with the most samples has one, or a slower one, or a measured input that has
@@ -10,9 +10,9 @@
 //! other sensors  the line between the samples around the row, and a measured input as well
 //! a command      the last sample: it holds until the next
 //! ```
-//! Between the samples of a measured input it is unknown, and more rows would claim so. Lines between few samples would
-//! be counted as measurements that do not exist: angles that come less often than the speeds are discarded, as are such
-//! speeds, and if one wheel comes less often its rows are those of the recording.
+//! Between its samples a measured input is unknown, so rows are not added there. Interpolated values would be counted
+//! as measurements: angles with fewer samples than the speeds are discarded, and vice versa; if one wheel has fewer
+//! samples, its rows are those of the recording.
 
 use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
@@ -23,7 +23,8 @@ use crate::recording::{Channels, REGULAR, refreshed};
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
 
-/// Part of the samples of the other wheel that sensors have which are read in turn, at least.
+/// Smallest ratio of the samples of one wheel to those of the other for sensors that are read in
+/// turn.
 const HALF: f64 = 0.5;
 /// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is less
 /// than that of the sensor, and one row in five moves what the rows show of it by a tenth.
@@ -31,7 +32,7 @@ const FEW: f64 = 0.8;
 /// Part of its range beyond which an angle does not move between two samples, but wraps.
 const WRAP: f64 = 0.5;
 
-/// Leaves out the angles, or the speeds, where they have fewer samples than the other; the cells of what stays.
+/// Discards the angles, or the speeds, if they have fewer samples than the other; returns the remaining cells.
 pub(super) fn without_slow_pair(work: &mut Conditioned, cells: Vec<Cells>) -> Vec<Cells> {
     let of = |kind: fn(usize) -> Channel| {
         let of_kind = |c: &&Cells| [kind(0), kind(1)].contains(&c.0);
@@ -96,7 +97,7 @@ pub(super) fn align(
         let values = column(&work.channels, *channel);
         let read = read(&work.channels.t, &values, own);
         put(&mut work.channels, *channel, &read);
-        // before its first sample and behind its last nothing is known
+        // before its first and after its last sample the channel is unknown
         flags.iter_mut().zip(&read).for_each(|(flag, x)| *flag &= x.is_finite());
         let share = share(own);
         let kind = if is_held { Kind::HeldColumn { share } } else { Kind::SparseColumn { share } };
@@ -136,7 +137,7 @@ pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context:
         };
         let (both, one) = (count(&|r, l| r && l), count(&|r, l| r != l));
         let rates = count(&|r, _| r) / count(&|_, l| l);
-        // read in the same rows they are as old as each other, which the refresh of the rows says
+        // if read in the same rows they are equally old, which the refresh of the rows accounts for
         if one > both && (HALF..=1.0 / HALF).contains(&rates) {
             align(work, &cells, |_| true, context.commanded);
         }
@@ -176,7 +177,7 @@ fn along(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
     between(t, values, own, f64::INFINITY)
 }
 
-/// The same, but for samples between which an angle wraps: there the one before.
+/// The same, but the sample before where an angle wraps between two samples.
 fn along_angle(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
     let held = || values.iter().zip(own).filter(|(_, own)| **own).map(|(v, _)| *v);
     let range = held().fold(f64::NEG_INFINITY, f64::max) - held().fold(f64::INFINITY, f64::min);

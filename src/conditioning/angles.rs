@@ -1,7 +1,7 @@
 //! Angles that wrap, and counters that were reset.
 //!
-//! An angle moves on from row to row by about as much as before. Where it steps by far more, and
-//! stays there, the step is not motion:
+//! The increments of an angle vary little from row to row. A far larger step after which the angle
+//! stays is not motion:
 //!
 //! ```text
 //! e_k = (alpha_k - alpha_(k-1)) - median of the increments of the rows around k
@@ -20,7 +20,7 @@ use crate::math::noise::quantum;
 const AROUND: usize = 4;
 /// A step is not motion if it is this many times the largest ordinary one around it: between two
 /// rows no wheel changes its increment by more than that increment itself, unless it is slower than
-/// the wrap can be distinguished from (half a period a row).
+/// the wrap can be distinguished from (half a period per row).
 const BEYOND: f64 = 10.0;
 /// Tolerance of a step as a share of the period: a step contains the motion of its row.
 const ALIKE: f64 = 0.02;

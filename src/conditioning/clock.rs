@@ -21,7 +21,7 @@ const ROWS_A_TICK: f64 = 1.5;
 const UNEVEN: f64 = 0.1;
 /// Part of the repeated stamps whose row repeats the row before as a whole, beyond which a logger writes rows twice.
 const TWICE: f64 = 0.5;
-/// Ticks up to the next stamp beyond which rows are missing between.
+/// Number of ticks to the next stamp above which rows are missing.
 const NEXT: f64 = 1.5;
 /// Part of a tick by which its multiples are rounded: those of a timer of 1/64 s in milliseconds.
 const ROUNDED: f64 = 0.1;
@@ -41,7 +41,7 @@ pub(super) fn coarse(work: &mut Conditioned) {
         return;
     }
     let tick = median_high(ticks.windows(2).map(|w| t[w[1].start] - t[w[0].start]));
-    // a clock goes on by whole ticks; a receiver that looks now and then stamps by a finer one
+    // a coarse clock advances by whole ticks; a receiver that reads at intervals has a finer clock
     if share_of_multiples(t, &ticks, tick) < REGULAR {
         return in_batches(work, &ticks, mean);
     }
@@ -57,7 +57,8 @@ pub(super) fn coarse(work: &mut Conditioned) {
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Puts the rows of a receiver, which stamps what came since it last looked, at the even times at which they were sent.
+/// Moves the rows of a receiver, which stamps all rows since its last reading, to the equidistant times at which they
+/// were sent.
 fn in_batches(work: &mut Conditioned, ticks: &[Range<usize>], rows: f64) {
     let starts: Vec<usize> = ticks.iter().map(|tick| tick.start).collect();
     let even = by_number(&work.channels.t, &starts);
@@ -81,7 +82,7 @@ fn ticks(t: &[f64]) -> Vec<Range<usize>> {
     starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
 }
 
-/// Whether rows with a repeated stamp repeat all else too, though something moves.
+/// Whether rows with a repeated stamp repeat all other values too, although the robot moves.
 fn is_twice(work: &Conditioned) -> bool {
     let columns = columns(&work.channels);
     let t = &work.channels.t;
@@ -187,7 +188,7 @@ mod tests {
 
     #[test]
     fn rows_that_are_missing_leave_the_others_in_their_ticks() {
-        // 20 rows a second; a pause of four seconds
+        // 20 rows per second; a pause of four seconds
         let times = (0..400).map(|k| 0.05 * f64::from(k) + if k < 230 { 0.0 } else { 4.0 });
         let times: Vec<f64> = times.collect();
         let found = done(stamped(&times, 1.0)).channels.t;

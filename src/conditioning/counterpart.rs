@@ -3,7 +3,7 @@
 //! ```text
 //! g = median over windows of  (integral of the speed) / (change of the angle)
 //! ```
-//! is 1, or it names what is wrong.
+//! is 1, or the factor of a unit, a sign or a gear.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,10 +14,10 @@ use super::{Conditioned, Context, Settings};
 /// Length of a window \[s\], and its rows at least: long enough for the steps of an encoder to be
 /// small against the motion, short against the motion itself.
 const WINDOW: (f64, usize) = (0.2, 6);
-/// Fewest windows of motion.
+/// Smallest number of windows of motion.
 const FEWEST: usize = 10;
-/// A known factor is met within this part: rounding of a logger is smaller, and no two factors are
-/// as close.
+/// Relative tolerance of a known factor: rounding of a logger is smaller, and no two factors are as
+/// close.
 const CLOSE: f64 = 0.03;
 
 /// The channel that is converted, and its name.
@@ -143,8 +143,8 @@ fn known(context: &Context) -> Vec<(f64, &'static str, Target)> {
     known
 }
 
-/// Turns the one of angle and speed against which the input works: inertia and friction take energy,
-/// so that the input puts it in.
+/// Reverses the sign of the angle or the speed, whichever gives a negative work of the input:
+/// inertia and friction absorb energy, so that work must be positive.
 fn sign(work: &mut Conditioned, settings: &Settings, i: usize) {
     let c = &mut work.channels;
     let (Some(alpha), Some(omega)) = (c.alpha.as_mut(), c.omega.as_mut()) else { return };

@@ -5,24 +5,26 @@
 //! ```text
 //! omega_k = q/m sum over j < m of n_(k-j)/h_(k-j),   n_k whole,   h_k = t_k - t_(k-1),   alpha_k = q sum of n up to k
 //! ```
-//! with m = 1, or more where it takes the mean over m rows. The angle is as the encoder saw it: nothing is late and
-//! nothing is noise but its rounding. A driver that rounds a speed that it measures otherwise gives multiples of a step
-//! too. Its errors of neighbouring rows have nothing in common, while those of counts are taken back in the next row:
+//! with m = 1, or more where it takes the mean over m rows. The angle is that of the encoder: without delay, and
+//! with no noise except rounding. Multiples of a step are also given by a driver that rounds a speed measured in
+//! another way. Its errors in neighbouring rows are independent, while those of counts are compensated in the next
+//! row:
 //!
 //! ```text
 //! second differences of n:               var = 6 s²  rounded speeds,   20 s²  counts     (s² of one rounding)
 //! the same of sums over two rows:              12 s²                   20 s²
 //! ```
-//! A recording that moves too much shows the grid but not that; there the others of the same log tell, and where one
-//! contradicts them the speeds of all stay: half of a log in angles would stand half a row from the other half.
+//! In a recording with fast motion the second criterion is not decisive; the decision is then that of the other
+//! recordings of the log. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
+//! would be shifted by half a row against the other.
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high, trimmed};
 use super::{Conditioned, Context, Settings};
 
-/// Rows that must move: fewer are on a grid by chance or by the digits that are written.
+/// Smallest number of rows in motion: fewer may lie on a grid by chance or by rounding of the file.
 const FEWEST: usize = 100;
-/// Different numbers of counts a row at least.
+/// Smallest number of different counts per row.
 const LEVELS: usize = 4;
 /// Largest root mean square distance from whole counts, in counts: 0.29 for other speeds, 0.01 for counts
 /// written with four digits.
@@ -31,7 +33,7 @@ const OFF: f64 = 0.05;
 const TAKEN_BACK: f64 = 1.414;
 /// Variance of the second differences where counts are those of an angle: 20/12 by rounding, and as much by the motion.
 const ROUNDED: f64 = 2.0 * 20.0 / 12.0;
-/// The least speed of a run may be several counts.
+/// Largest number of counts of the smallest speed of a recording.
 const MOST: u32 = 8;
 /// Rows over which drivers take means.
 const ROWS: usize = 8;
@@ -125,8 +127,8 @@ impl Counts {
     }
 }
 
-/// The counts of a known encoder, `None` where speeds that were divided by `steps` are not on its grid, or take nothing
-/// back though they move slowly enough to show it.
+/// The counts of a known encoder, `None` if speeds that were divided by `steps` are not on its grid, or if their
+/// errors are not compensated in the next row although the motion is slow enough.
 fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let Encoder { step_rad, rows } = encoder;
     on_grid(&sizes(&ways(omega, steps)), step_rad / rows as f64)?;
@@ -140,7 +142,7 @@ fn ways(omega: &[f64], steps: &[f64]) -> Vec<f64> {
     omega.iter().zip(steps).map(|(w, h)| w * h).collect()
 }
 
-/// The sizes of ways, ascending, where the wheel moved.
+/// The sizes of the increments, ascending, in rows with motion.
 fn sizes(ways: &[f64]) -> Vec<f64> {
     let mut sizes: Vec<f64> = ways.iter().map(|d| d.abs()).filter(|d| *d > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
@@ -170,8 +172,8 @@ fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
     (1..=ROWS).map(over).find(|found| taken_back(&found.counts) == Some(true))
 }
 
-/// Counts of `step` from row to row, where each speed is the mean of those of `rows` rows and nothing moved before the
-/// first. Whole numbers let no error of one row into the next.
+/// Counts of `step` from row to row, where each speed is the mean of those of `rows` rows and nothing moved before
+/// the first. Whole numbers prevent errors from accumulating over the rows.
 fn by_row(omega: &[f64], steps: &[f64], step: f64, rows: usize) -> Vec<f64> {
     let mut counts: Vec<f64> = Vec::with_capacity(omega.len());
     for (k, w) in omega.iter().enumerate() {
@@ -181,9 +183,9 @@ fn by_row(omega: &[f64], steps: &[f64], step: f64, rows: usize) -> Vec<f64> {
     counts
 }
 
-/// The step of the grid of about that `step` on which all ways lie; `sizes` are theirs, ascending.
+/// The step of the grid, near `step`, on which all increments lie; `sizes` are theirs, ascending.
 fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
-    // the step is known better the farther it is counted
+    // larger counts determine the step more accurately
     let mut reach = 4.0;
     let largest = *sizes.last()?;
     while reach < 2.0 * largest / step {
@@ -202,7 +204,7 @@ fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
     (error < OFF).then_some(step)
 }
 
-/// Whether what a row counts too much the next one counts less; `None` where motion hides it.
+/// Whether counting errors are compensated in the next row; `None` if motion hides this.
 fn taken_back(counts: &[f64]) -> Option<bool> {
     let variance = |n: &[f64]| {
         let bends = n.windows(3).filter(|w| w.iter().any(|n| *n != 0.0));

@@ -5,7 +5,7 @@
 pub enum ConditioningError {
     /// A sensor that never moves while its wheel is driven and the other moves.
     #[error(
-        "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is dead or its column is the wrong one. Name another column for it; on runs straight ahead the columns of the other wheel may be used for both, and then a1 + a2 and the friction are found; [conditioning] refuse = false keeps it"
+        "the {wheel} wheel never moves (its angle and speed stay at {value} in all {rows} rows) although its input is as large as that of the other wheel: its encoder is defective, or the wrong column is assigned. Name another column for it; on runs straight ahead the columns of the other wheel may be used for both, then a1 + a2 and the friction are identifiable; [conditioning] refuse = false keeps it"
     )]
     Dead {
         /// Right or left.
@@ -15,7 +15,7 @@ pub enum ConditioningError {
         /// How many rows it stays there.
         rows: usize,
     },
-    /// An input that has lost its sign.
+    /// An input without sign.
     #[error(
         "M{wheel} never changes its sign (row {row}: {value} while dalpha{wheel} = {speed:.3} rad/s), although the wheel is driven both ways: a magnitude without sign. Record the signed value, or name the column of the commanded voltage; [conditioning] sign_from_speed = true gives it the sign of the speed (wrong while braking), refuse = false keeps it"
     )]

@@ -76,17 +76,18 @@ pub enum Kind<C = usize, R = f64> {
         /// Part of the rows that have a value \[1\].
         share: R,
     },
-    /// A command that has its own rows; held in between.
+    /// A command with separate rows; held in between.
     HeldColumn {
         /// Part of the rows that have a value \[1\].
         share: R,
     },
-    /// Angles or speeds that come less often than the other; left out.
+    /// Angles or speeds with fewer samples than the other; left out.
     SlowPair {
         /// Part of the rows that have a new value \[1\].
         share: R,
     },
-    /// A column in whose rows the recording stands; those of other messages serve their own columns.
+    /// A column whose rows are those of the recording; rows of other messages only fill their own
+    /// columns.
     OwnRows {
         /// Part of the rows that have a value of it \[1\].
         share: R,
@@ -128,7 +129,7 @@ pub enum Kind<C = usize, R = f64> {
         /// Rows within a tick.
         rows: R,
     },
-    /// Rows that a receiver stamped in batches; they stand at even times.
+    /// Rows that a receiver stamped in batches; they are moved to equidistant times.
     Batches {
         /// Rows of a batch, on average.
         rows: R,
@@ -140,7 +141,8 @@ pub enum Kind<C = usize, R = f64> {
         /// The first of them.
         first: C,
     },
-    /// Rows that repeat the sensors' last sample though the wheels move; what came late is put in its place.
+    /// Rows that repeat the sensors' last sample although the wheels move; late samples are moved to their
+    /// rows.
     Stale {
         /// How many rows.
         rows: C,
@@ -216,7 +218,7 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// A channel whose sign contradicts the others.
     Sign,
-    /// An input that takes the energy out that friction and inertia need.
+    /// An input whose work is negative, although friction and inertia absorb energy.
     Opposing,
     /// Columns of the other wheel.
     Exchanged,
@@ -227,7 +229,7 @@ pub enum Kind<C = usize, R = f64> {
         /// Its standard error \[s\].
         std_error_s: R,
     },
-    /// Speeds that a filter made late; the angles alone are used.
+    /// Speeds delayed by a filter; only the angles are used.
     Filtered {
         /// Lag \[s\].
         lag_s: R,
@@ -241,13 +243,13 @@ pub enum Kind<C = usize, R = f64> {
         /// Lag \[s\].
         lag_s: R,
     },
-    /// Speeds that were computed from the angles by a filter, which leaves so much of the noise that passes
-    /// it; the angles alone are used.
+    /// Speeds that were computed from the angles by a filter; only the angles are used.
     OfAngle {
-        /// Share of that noise, as a deviation \[1\].
+        /// Residual over the noise of the angle that passes the filter, as a ratio of standard
+        /// deviations \[1\].
         share: R,
     },
-    /// Speeds without angles that an encoder's counts make; what these add up to is used.
+    /// Speeds without angles that are encoder counts; the accumulated angle is used.
     Counts {
         /// One count \[rad\].
         step_rad: R,
@@ -280,7 +282,7 @@ pub enum Kind<C = usize, R = f64> {
         /// Time between new values \[s\].
         period_s: R,
     },
-    /// A channel that comes in steps.
+    /// A quantised channel.
     Quantum {
         /// The step, in the unit of the channel.
         step: R,

@@ -1,7 +1,7 @@
 //! A speed sensor that keeps its last value while the wheel stands still.
 //!
-//! Sensors that take the time from one pulse to the next have a new value with each pulse and none without. While a wheel
-//! turns, each value stands for an angle of about one pulse:
+//! Sensors that measure the time between pulses have a new value only with each pulse. While a wheel turns, each
+//! value corresponds to an angle of about one pulse:
 //!
 //! ```text
 //! turned = |w| (time that the value stands)
@@ -17,17 +17,18 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, quantile};
 use super::{Conditioned, Settings};
 
-/// Angle of a value that stands still over that of nine in ten others.
+/// Ratio of the angle of a value kept at rest to that of nine in ten others.
 const LONG: f64 = 3.0;
-/// Rows of a value that stands still, at least: with fewer the angle of one value is known to less than a third.
+/// Smallest number of rows of a value kept at rest: with fewer the angle of one value is known to less than a
+/// third.
 const ROWS: usize = 4;
 /// Part of the usual input below which it drives no more, and of a speed by which no wheel changes in a row after it has
 /// not changed at all.
 const HALF: f64 = 0.5;
 
-/// Leaves out the rows in which a speed is that of a wheel which stands still, but for the first.
+/// Leaves out the rows in which a speed is kept at rest, except the first.
 pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
-    // angles tell rest by themselves
+    // angles determine rest themselves
     if work.channels.alpha.is_some() {
         return;
     }

@@ -1,12 +1,12 @@
-//! A measured input that comes more slowly than the rows: repeated by the logger, or held by a controller.
+//! A measured input with fewer samples than rows: repeated by the logger, or held by a controller.
 //!
-//! Both look alike in its column. The wheel tells: over an interval from one new value M_a to the next M_b an
-//! input that is held accelerates it evenly, one that goes on between its samples does so more in the second
-//! half where M_b is larger.
+//! The two cases look the same in the input column, but not in the motion: over an interval from one new
+//! value M_a to the next M_b a held input accelerates the wheel uniformly, one that varies between its
+//! samples accelerates it more in the second half if M_b is larger.
 //!
 //! ```text
 //! y = (w_b - w_m) - (w_m - w_a)          m: middle of the interval
-//! z = c tau (M_b - M_a)/2                c: answer of the wheel to its input, tau: half the interval
+//! z = c tau (M_b - M_a)/2                c: response of the wheel to its input, tau: half the interval
 //! y = rho z + e                          rho = 0: held,  1: the line between the samples
 //! ```
 
@@ -24,7 +24,7 @@ use crate::recording::refreshed;
 const BETWEEN: f64 = 0.5;
 /// Number of standard errors for a significant response.
 const SURE: f64 = 4.0;
-/// Part of the rows in which both inputs must be new together, or not.
+/// Share of the rows in which both inputs must have new values together.
 const TOGETHER: f64 = 0.95;
 
 /// Brings the recording to the rows of an input that was sampled more slowly than the sensors.
@@ -78,7 +78,7 @@ fn goes_on(work: &Conditioned, new: &[bool]) -> Option<(f64, f64)> {
         }
         for w in samples.windows(2) {
             let (a, b) = (w[0], w[1]);
-            // where the wheel turns round friction turns with it
+            // where the wheel reverses, its friction does too
             let turns = speed[a] * speed[b] <= 0.0;
             if b - a != usual || piece(a) != piece(b) || turns || half == 0 {
                 continue;

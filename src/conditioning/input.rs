@@ -5,7 +5,7 @@ use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{FEW_LEVELS, column, levels, quantile};
 use super::{Conditioned, Context, Settings};
 
-/// Part of the fastest speed from which on a wheel turns one way.
+/// Share of the top speed above which a wheel counts as turning in one direction.
 const MOVING: f64 = 0.2;
 /// Smallest number and share of the rows in each direction.
 const BOTH_WAYS: (usize, f64) = (20, 0.02);
@@ -14,7 +14,7 @@ const AT_REST: usize = 20;
 /// Largest offset as a share of the input's range; above it an external force holds the robot.
 const OFFSET: f64 = 0.1;
 
-/// Inputs of a few levels: their jumps are commands and no noise.
+/// Inputs of a few levels: their jumps are commands, not noise.
 pub(super) fn few_levels(work: &mut Conditioned) {
     for i in 0..2 {
         let levels = levels(&work.channels.torque, i);
@@ -42,7 +42,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
         let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
-        // what drives it backwards must be an input of size and not the last of a swing
+        // backward motion must occur under a substantial input, not while the wheel coasts
         let driven = quantile(backward.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
         let negative = of(&input, 0.0) < -0.01 * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
@@ -111,7 +111,7 @@ fn rows_at_rest(work: &Conditioned) -> usize {
             rest = rest.min(values.iter().take_while(near).count());
             // a steady drive is no rest
             is_slow &= !is_speed || mean.abs() <= STILL * deviation / (AT_REST as f64).sqrt();
-            // values of white noise change by more from row to row than those of a motion
+            // from row to row, white noise changes more than motion does
             let changes = first.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>();
             is_slow &= changes >= square;
             is_slow &= deviation < MOVING * quantile(values.iter().map(|v| v.abs()), 0.99);

@@ -1,5 +1,5 @@
-//! Stamps that scatter about the even times at which the rows were sampled: those of a receiver, which a bus, a scheduler
-//! or a radio makes late by turns.
+//! Stamps that scatter about the equidistant times at which the rows were sampled: those of a receiver, with a
+//! variable delay by a bus, a scheduler or a radio.
 
 use std::ops::Range;
 
@@ -12,11 +12,11 @@ const LITTLE: f64 = 0.01;
 /// Scatter beyond which a row cannot be distinguished from the next, and the share of rows that may have more.
 const HALF: f64 = 0.5;
 const FEW: f64 = 0.05;
-/// Share of its distance from a stamp by which the clock that counts rows follows: over some twenty rows.
+/// Gain by which the clock that counts rows follows the stamps: over some twenty rows.
 const FOLLOWED: f64 = 0.05;
 /// Rows to either side over which the even times are a straight line: the drift of a clock takes longer.
 const REACH: usize = 50;
-/// Rows whose errors are taken together, and fewest blocks of them.
+/// Rows per block of errors, and smallest number of blocks.
 const BLOCK: usize = 16;
 const BLOCKS: usize = 8;
 /// Standard errors by which the motion must be smoother on even times: one log in a million by chance.
@@ -152,7 +152,7 @@ fn is_smoother(values: &[[f64; 2]], t: &[f64], even: &[f64], pieces: &[Range<usi
     mean > 0.0 && mean * m.sqrt() > SURE * (square / (m - 1.0)).sqrt()
 }
 
-/// Squared error of row `k` against the cubic through its four neighbours, in units of what white noise makes of it.
+/// Squared error of row `k` against the cubic through its four neighbours, relative to that of white noise.
 fn error(values: &[[f64; 2]], t: &[f64], k: usize) -> f64 {
     let around = [k - 2, k - 1, k + 1, k + 2];
     let weight = |j: usize| {

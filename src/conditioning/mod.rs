@@ -64,10 +64,10 @@ pub struct Context {
     /// Delay of the speeds from other recordings of the same log, for a recording that is too short or too
     /// slow to determine it.
     pub speed_lag: Option<Lag>,
-    /// What other recordings of the same log leave of speeds that were computed from their angles, as a
-    /// share of the angle's noise ([`common_share`]); `None` where none shows that.
+    /// Residual share of speeds that were computed from the angles in other recordings of the same log
+    /// ([`common_share`]); `None` if there are none.
     pub speeds_of_angles: Option<f64>,
-    /// The encoder behind speeds without angles, from all recordings of the same log.
+    /// The encoder of speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
 }
 
@@ -102,7 +102,7 @@ pub fn condition(
     rows::times(&mut work, settings);
     let t = &work.channels.t;
     if t.len() < FEWEST_ROWS || !signal::is_increasing(t) {
-        return Ok(work); // the check of the recording says that it is too short, or where time stands still
+        return Ok(work); // the check of the recording reports a recording that is too short, or a time that does not increase
     }
     counts::angles(&mut work, settings, context);
     jitter::even_times(&mut work, settings);
@@ -110,7 +110,7 @@ pub fn condition(
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     stale::rows(&mut work, settings);
-    // the first value behind a rest stands alone among faster ones, as an outlier does
+    // the first value after a rest may look like an outlier among faster ones
     frozen::rows(&mut work, settings);
     spikes::sensors(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
@@ -127,5 +127,5 @@ pub fn condition(
     Ok(work)
 }
 
-/// Fewer rows show nothing.
+/// Smallest number of rows.
 const FEWEST_ROWS: usize = 50;

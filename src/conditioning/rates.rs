@@ -1,9 +1,9 @@
 //! Sensors of the same log that refresh at different rates, where a logger repeats their last values.
 //!
-//! A row in which one of them is new and another is not claims that the other was measured there as well. Angles that
-//! refresh less often than the speeds are left out, and such speeds; of two wheels the rows are those of the slower one, in
-//! which the other stands on the line between its values. Rows go then, so that this is not for commands, which may
-//! change in any row.
+//! If only one of them has a new value in a row, the repeated value of the other would be counted as a measurement.
+//! Angles that refresh less often than the speeds are left out, and vice versa; of two wheels the rows are those of
+//! the slower one, to which the other is interpolated. Rows are removed, so this does not apply to commands, which
+//! may change in any row.
 
 use super::align::{Cells, align, new_in, without_slow_pair};
 use super::cells::columns;
@@ -11,7 +11,7 @@ use super::finding::Channel;
 use super::signal::{changes, median_high};
 use super::{Conditioned, Context, Settings};
 
-/// Leaves out sensors that are slower than others, and brings the wheels to the rows of the slower one.
+/// Leaves out slower sensors, and resamples the wheels to the rows of the slower one.
 pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Context) {
     let is_sensor = |c: Channel| matches!(c, Channel::Angle(_) | Channel::Speed(_));
     let sensors = columns(&work.channels).into_iter().filter(|(channel, _)| is_sensor(*channel));
@@ -44,12 +44,12 @@ fn samples(t: &[f64], values: &[f64]) -> Vec<bool> {
     out
 }
 
-/// Rows from one to the next, in the middle.
+/// Median number of rows between new values.
 fn usual(rows: &[usize]) -> usize {
     median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64)) as usize
 }
 
-/// Whether sensors come with new values after as many rows, in the middle.
+/// Whether sensors have the same median number of rows between new values.
 fn are_alike(cells: &[Cells]) -> bool {
     let every = |(_, own): &Cells| {
         let rows: Vec<usize> = (0..own.len()).filter(|&k| own[k]).collect();

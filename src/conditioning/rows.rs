@@ -7,15 +7,14 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_high};
 use super::{Conditioned, Context, Settings};
 
-/// A column that lacks more than this share of its values is not damaged but slower than the rows:
-/// a message that is lost now and then leaves a few holes, a slow sensor leaves most rows empty.
+/// A column that lacks more than this share of its values is slower than the rows, not damaged:
+/// lost messages leave a few gaps, a slow sensor leaves most rows empty.
 const SPARSE: f64 = 0.05;
 /// Rows after a backward step that must all lie before it, for a restarted clock. One row that is
 /// late, or a few that came in another order, do not repeat that often.
 const RESTARTED: usize = 10;
 
-/// Leaves out rows without a number, and brings columns that are slower than the rows to the rows of the
-/// fastest sensor.
+/// Leaves out rows without a number, and resamples slower columns to the rows of the fastest sensor.
 pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if !settings.rows
         || columns(&work.channels).iter().all(|(_, v)| v.iter().all(|x| x.is_finite()))
@@ -52,8 +51,8 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
 }
 
 /// Makes time increase: rows after a restart of the clock are moved behind a gap, those within a tick of a coarse
-/// clock are spread over it; of the others the longest strictly increasing sequence stays, so that one wrong stamp
-/// costs one row whichever way it errs.
+/// clock are spread over it; of the others the longest strictly increasing sequence stays, so that one wrong time
+/// stamp removes only one row, whether it is too early or too late.
 pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     let finite = work.channels.t.iter().all(|t| t.is_finite());
     if !settings.rows || !finite || is_increasing(&work.channels.t) {
@@ -66,7 +65,7 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     }
     let flags = longest_increasing(&work.channels.t);
     let rows = flags.iter().filter(|f| !**f).count();
-    // a column that hardly ever increases is no time; the check of the recording says where
+    // a column that hardly ever increases is not a time; the check of the recording reports it
     if 2 * rows > flags.len() {
         return;
     }
@@ -78,11 +77,11 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
 
 /// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
 const TIMERS: [f64; 3] = [65.536, 4_294_967.296, 4_294.967_296];
-/// Steps by which the row after a wrap may come early or late.
+/// Tolerance of the time after a wrap in steps.
 const LATE: f64 = 2.0;
 
-/// Moves what follows a restart behind what stood before it, with a gap between them. A clock that goes back
-/// by the period of a timer was not restarted: it wrapped, and there is no gap.
+/// Moves the rows after a restart behind those before it, with a gap between them. A clock that goes back by
+/// the period of a timer was not restarted: it wrapped, and there is no gap.
 fn restarts(work: &mut Conditioned) {
     let t = &mut work.channels.t;
     let step = median_high(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
@@ -113,8 +112,8 @@ fn restarts(work: &mut Conditioned) {
     }
 }
 
-/// Steps of the gap behind a restart: well above the four that make a gap, and as good as none in
-/// the length of the recording.
+/// Length of the gap after a restart in steps: well above the four that define a gap, and
+/// negligible in the length of the recording.
 const GAP_STEPS: f64 = 10.0;
 
 /// Which rows belong to the longest strictly increasing subsequence (patience sorting).

@@ -1,4 +1,4 @@
-//! What may be corrected: the keys of `[conditioning]`.
+//! Corrections that can be disabled: the keys of `[conditioning]`.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +20,12 @@ pub struct Settings {
     pub signs: bool,
     /// Columns that belong to the other wheel are exchanged.
     pub exchanged: bool,
-    /// Speeds that lag the angles are advanced, or left out where a filter made them; speeds without
-    /// angles that are made of an encoder's counts become the angles that these add up to.
+    /// Speeds that lag the angles are advanced, or discarded if they were computed by a filter.
+    /// Speeds recorded without angles that are quantised encoder counts are replaced by the
+    /// accumulated angle.
     pub speeds: bool,
-    /// Recordings that start at another heading or with the wheels at another angle than the others are
-    /// brought to one start, where a torque that repeats with the angle shows that they do.
+    /// The initial heading and wheel angles of the recordings are aligned if a torque that is periodic
+    /// in the angle determines their offset.
     pub starts: bool,
     /// Sensors that never move and inputs without a sign are refused.
     pub refuse: bool,

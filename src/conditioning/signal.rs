@@ -1,4 +1,4 @@
-//! Small measures of a signal that several steps use.
+//! Statistics of a signal that several steps use.
 
 use crate::math::noise::white_noise_variance;
 pub(super) use crate::math::{median_high, quantile};
@@ -22,13 +22,13 @@ pub(super) fn levels(rows: &[[f64; 2]], i: usize) -> usize {
     values.len()
 }
 
-/// Rows of a channel that differ from the row before, with the first one: what a sensor that is
-/// slower than the rows has measured.
+/// Rows of a channel that differ from the row before, and the first one: the measurements of a
+/// sensor slower than the rows.
 pub(super) fn changes(values: &[f64]) -> Vec<usize> {
     (0..values.len()).filter(|&k| k == 0 || values[k] != values[k - 1]).collect()
 }
 
-/// Variance of the white noise on a channel; not a number of fewer than five samples.
+/// Variance of the white noise on a channel; NaN for fewer than five samples.
 pub(super) fn noise_variance(values: &[f64]) -> f64 {
     white_noise_variance(&[values.to_vec()], BLOCK, 1, |_| true).unwrap_or(f64::NAN)
 }

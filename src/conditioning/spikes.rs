@@ -1,15 +1,15 @@
 //! Isolated wrong samples.
 //!
-//! A sample is compared with the line between its neighbours (of rows that repeat a slow sensor the
-//! first stands for all), and how far it stands out with how far samples around it do:
+//! A sample is compared with the line between its neighbours (repeated values of a slow sensor
+//! count once), and its deviation with those of the samples around it:
 //!
 //! ```text
 //! z_k = v_k - line(v_(k-1), v_(k+1)),  s_k = 1.4826 median |z| around k      Hampel (1974)
 //! wrong where |z_k| > 18 s_k and v_k lies beyond both neighbours by as much
 //! ```
-//! Noise of normal distribution reaches 18 s never, and that with exponential tails once in 10^8
-//! samples. A wheel cannot jump and return, so that of a sensor this is proof. An input can: there a
-//! sample is wrong if the wheel does not answer to it as it answers to the rest of the input.
+//! Normal noise practically never reaches 18 s, noise with exponential tails once in 10^8 samples. A
+//! wheel cannot jump and return, so such a sample of a sensor is an error. An input can; a sample of
+//! it is an error if the wheel does not respond to it as to the rest of the input.
 
 use nalgebra::Vector3;
 
@@ -56,7 +56,7 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     }
 }
 
-/// Inputs; commands are what was sent and cannot be wrong.
+/// Inputs; commands are recorded as sent and cannot be wrong.
 pub(super) fn inputs(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if context.commanded {
         return;

@@ -9,10 +9,11 @@
 //! skipped  alpha_s - alpha_(s-1) about twice as large as in the rows around
 //! between  v_j := v_(j+1) for k <= j < s - 1,   v_(s-1) := (v_(s-1) + v_s)/2
 //! ```
-//! Where no row skips until the wheels stand or the recording ends, all rows until there are late; a row that repeats
-//! while others are late already is of a sensor that is a little slower, and stands between its neighbours alone.
+//! If no row skips until the wheels stop or the recording ends, all rows until then are late; a row that repeats
+//! while others are late already is due to a slightly slower sensor, and is interpolated alone.
 //!
-//! A sensor that repeats its values in many rows is slower than the logger, which the refresh of the rows says.
+//! A sensor that repeats its values in many rows is slower than the logger, which the refresh of the rows
+//! accounts for.
 
 use std::ops::Range;
 
@@ -32,13 +33,13 @@ const AROUND: usize = 4;
 const SLOWEST: f64 = 0.5;
 /// Motion of a row that skips a sample, in usual motions: nearer to two than to one or three.
 const SKIPPED: Range<f64> = 1.5..2.5;
-/// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a row that
-/// looks so alone is a coarse encoder or a slip.
+/// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a single
+/// such row is due to a coarse encoder or slip.
 const FEWEST: usize = 3;
 /// Share of stale rows above which the sensor is slower than the rows.
 const MANY: f64 = 0.1;
 
-/// Puts the samples of rows that came late in their place.
+/// Moves late samples to their rows.
 pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
     let Some(late) = late(work) else { return };
     let Some(first) = late.first().map(|late| late.rows.start) else { return };
@@ -80,7 +81,7 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
     let repeats = |k: usize| {
         alpha[k] == alpha[k - 1] && c.omega.as_ref().is_none_or(|omega| omega[k] == omega[k - 1])
     };
-    // most logs need no closer look at their motion
+    // the motion of most logs need not be examined
     if (1..alpha.len()).filter(|&k| repeats(k)).count() < FEWEST {
         return None;
     }
@@ -105,7 +106,7 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
             }
             moving += 1;
             let step = |i: usize| columns[i][k] - columns[i][k - 1];
-            // a wheel that comes to rest or turns round for a row is slow in the rows beside it
+            // a wheel that stops or reverses within a row is slow in the neighbouring rows
             let goes_on = |i: usize| {
                 let slow = SLOWEST * usual[i].abs();
                 [k - 1, k + 1].iter().all(|&j| (columns[i][j] - columns[i][j - 1]).abs() >= slow)
@@ -227,7 +228,7 @@ mod tests {
         paused.channels.omega = None;
         rows(&mut paused, &Settings::default());
         assert!(paused.findings.is_empty(), "{:?}", paused.findings);
-        // an encoder of 512 counts that comes to rest and starts again, gently and by six counts a row more in each
+        // an encoder of 512 counts that comes to rest and starts again, gently and by six counts per row more in each
         let step = std::f64::consts::TAU / 512.0;
         let gently = |t: f64| 4.0 * (t + (2.0 * t).sin() / 2.0);
         let sharply = |t: f64| 0.5 * 6.0 * step * ((t - 10.0).max(0.0) / 0.02).powi(2);

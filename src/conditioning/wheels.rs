@@ -1,13 +1,13 @@
 //! Columns that belong to the other wheel, and inputs of the wrong sign.
 //!
-//! Windows of 0.1 s say it with the same tests as the quality check: the speed of a wheel follows the angle of
+//! Detected in windows of 0.1 s with the tests of the quality check: the speed of a wheel follows the angle of
 //! the other; the input of a wheel explains the motion of the other and not its own,
 //!
 //! ```text
 //! M = c1 dw/dt + c2 sgn(w) + c3 w
 //! ```
-//! or it acts against the acceleration (c1 five standard errors below zero) and dissipates energy, which
-//! friction and inertia cannot return.
+//! or it acts against the acceleration (c1 five standard errors below zero) and its work is negative,
+//! which friction and inertia cannot cause.
 
 use super::finding::{Channel, Finding, Kind};
 use super::input::speeds;
@@ -21,7 +21,7 @@ use crate::recording::{
 /// only a turning test is driven like that.
 const MIRRORED: f64 = 2.0 / 3.0;
 
-/// Gives speeds or angles back to the wheel that they follow.
+/// Assigns speeds or angles to the wheel that they follow.
 pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
     let c = &work.channels;
     if c.alpha.is_none() || c.omega.is_none() || !exchanged_speeds(&windows(work)) {
@@ -46,7 +46,7 @@ pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
     }
 }
 
-/// Gives inputs back to the wheel that they move, and turns those that act against it.
+/// Assigns inputs to the wheel that they move, and reverses those that act against it.
 pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
     let found = windows(work);
     if exchanged_input(&found) {

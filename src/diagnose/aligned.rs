@@ -16,12 +16,13 @@ const PLACES: usize = 72;
 /// ```text
 /// maximise Σ_i (2 g_i' p_i - Σ_j p_i' S_ij p_j),   p_i = R(δ_i) p
 /// ```
-/// g, S: score and information of the columns in each recording, sums over the looks in units of their variances; p:
-/// parameters in common; R: [`Wave::turn`]. One recording is the reference, whose δ is zero.
+/// g, S: score and information of the columns in each recording, summed over the criteria of the screening
+/// (regression, windows), each scaled by its variance; p: parameters in common; R: [`Wave::turn`]. One recording is
+/// the reference, whose δ is zero.
 pub(super) struct Aligned {
     /// The waves, with columns in the place of parameters.
     pub(super) waves: Vec<Wave>,
-    /// Parameters in common, one a column.
+    /// Parameters in common, one per column.
     pub(super) p: DVector<f64>,
     /// How much later the angle of each wave starts \[rad\], recording by recording.
     pub(super) shifts: Vec<Vec<f64>>,
@@ -29,7 +30,7 @@ pub(super) struct Aligned {
     pub(super) std_errors: Vec<Vec<f64>>,
     /// The reference recording: the one with the most information on the columns.
     pub(super) reference: usize,
-    looks: Vec<ByRecording>,
+    criteria: Vec<ByRecording>,
     information: DMatrix<f64>,
     score: DVector<f64>,
 }
@@ -38,23 +39,23 @@ impl Aligned {
     /// The best phases of columns that are already in the model at `present`, from all criteria of the
     /// screening. `None` if no recording contains all of them.
     pub(super) fn new(
-        mut looks: Vec<ByRecording>,
+        mut criteria: Vec<ByRecording>,
         waves: Vec<Wave>,
         present: &DVector<f64>,
     ) -> Option<Self> {
         let columns = present.len();
-        let size = looks.first()?.score.len();
+        let size = criteria.first()?.score.len();
         let recordings = size / columns;
-        // the score of all that is there, not of what is added to it
+        // the score at zero amplitudes, not at those of the model
         let there = DVector::from_fn(size, |n, _| present[n % columns]);
         let (mut information, mut score) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        let before: Vec<f64> = looks.iter().map(|look| look.square).collect();
-        for look in &mut looks {
-            let weight = look.degrees / look.square.max(f64::MIN_POSITIVE);
-            look.score += &look.information * &there;
-            look.square += look.gain(&there);
-            information += weight * &look.information;
-            score += weight * &look.score;
+        let before: Vec<f64> = criteria.iter().map(|one| one.square).collect();
+        for one in &mut criteria {
+            let weight = one.degrees / one.square.max(f64::MIN_POSITIVE);
+            one.score += &one.information * &there;
+            one.square += one.gain(&there);
+            information += weight * &one.information;
+            score += weight * &one.score;
         }
         let apart = Information::new(&information);
         let (each, covariance) = (apart.solve(&score), apart.inverse());
@@ -71,7 +72,8 @@ impl Aligned {
             (0..recordings).map(|r| waves.iter().map(|wave| shift(r, wave)).collect()).collect();
         let p = DVector::zeros(columns);
         let std_errors = vec![];
-        let mut this = Self { waves, p, shifts, std_errors, reference, looks, information, score };
+        let mut this =
+            Self { waves, p, shifts, std_errors, reference, criteria, information, score };
         this.align();
         this.std_errors = this.std_errors_beside(&before);
         this.p.iter().all(|p| p.is_finite()).then_some(this)
@@ -82,7 +84,7 @@ impl Aligned {
         (self.shifts.len() - 1) * self.waves.len()
     }
 
-    /// Twice the log-likelihood ratio of each look to none of the waves, with these phases.
+    /// Twice the log-likelihood ratio of the waves with these phases in each criterion.
     pub(super) fn ratios(&self) -> Vec<f64> {
         self.ratios_of(&(self.turns(&self.shifts) * &self.p))
     }
@@ -95,8 +97,8 @@ impl Aligned {
     }
 
     fn ratios_of(&self, each: &DVector<f64>) -> Vec<f64> {
-        let one = |look: &ByRecording| ratio(look.degrees, look.square, look.gain(each));
-        self.looks.iter().map(one).collect()
+        let of_one = |one: &ByRecording| ratio(one.degrees, one.square, one.gain(each));
+        self.criteria.iter().map(of_one).collect()
     }
 
     /// Adds the shifts of recordings that were moved by these shifts already, as found by `again`; returns
@@ -128,7 +130,7 @@ impl Aligned {
         }
     }
 
-    /// The matrix by which parameters in common become those of each recording.
+    /// The matrix from common parameters to those of each recording.
     fn turns(&self, shifts: &[Vec<f64>]) -> DMatrix<f64> {
         let columns = self.p.len();
         let mut out = DMatrix::zeros(shifts.len() * columns, columns);
@@ -156,7 +158,7 @@ impl Aligned {
         gain(&self.information, &self.score, &each)
     }
 
-    /// The best shift of a wave in a recording: from places round the turn and the one where it stands, by halved steps.
+    /// The best shift of a wave in a recording: from phases over the full turn and its present one, by halved steps.
     fn best_shift(&self, r: usize, w: usize) -> f64 {
         let turn = std::f64::consts::TAU / self.waves[w].order;
         let at = |shift: f64| (self.gain_with(r, w, shift), shift);
@@ -173,12 +175,12 @@ impl Aligned {
         best.1
     }
 
-    /// Standard errors of the shifts, from the curvature of the gain and what the waves leave of the squared errors that
-    /// the looks were weighted by.
+    /// Standard errors of the shifts, from the curvature of the gain and the squared errors that remain with the
+    /// waves, relative to the variances that scale the criteria.
     fn std_errors_beside(&self, weighted_by: &[f64]) -> Vec<Vec<f64>> {
         let each = self.turns(&self.shifts) * &self.p;
-        let left = |(look, by): (&ByRecording, &f64)| (look.square - look.gain(&each)) / by;
-        let variance = self.looks.iter().zip(weighted_by).map(left).fold(0.0, f64::max);
+        let left = |(one, by): (&ByRecording, &f64)| (one.square - one.gain(&each)) / by;
+        let variance = self.criteria.iter().zip(weighted_by).map(left).fold(0.0, f64::max);
         let one = |r: usize, w: usize| {
             let (at, h) = (self.shifts[r][w], 1e-3 / self.waves[w].order);
             let [below, here, above] = [-h, 0.0, h].map(|step| self.gain_with(r, w, at + step));
@@ -210,9 +212,9 @@ mod tests {
         let truth = DVector::from_iterator(6, each);
         let score = &information * &truth;
         let square = truth.dot(&score) + 100.0;
-        let look = ByRecording { information, score, square, degrees: 100.0 };
+        let one = ByRecording { information, score, square, degrees: 100.0 };
         let wave = Wave { of: Cycle::Heading, order: 1.0, sine: 0, cosine: 1 };
-        let found = Aligned::new(vec![look], vec![wave], &DVector::zeros(2)).unwrap();
+        let found = Aligned::new(vec![one], vec![wave], &DVector::zeros(2)).unwrap();
         assert_eq!(found.reference, 0, "the one with the most information");
         for (r, phase) in phases.iter().enumerate() {
             let expected = phase - phases[0];
@@ -231,9 +233,9 @@ mod tests {
         let present = DVector::from_vec(vec![1.0, 0.0]);
         let there = DVector::from_vec(vec![1.0, 0.0, 1.0, 0.0]);
         let score = &information * (truth - there);
-        let look = ByRecording { information, score, square: 60.0, degrees: 50.0 };
+        let one = ByRecording { information, score, square: 60.0, degrees: 50.0 };
         let wave = Wave { of: Cycle::Wheel(0), order: 4.0, sine: 0, cosine: 1 };
-        let found = Aligned::new(vec![look], vec![wave], &present).unwrap();
+        let found = Aligned::new(vec![one], vec![wave], &present).unwrap();
         let quarter = std::f64::consts::FRAC_PI_2 / 4.0;
         let shift = within_turn(&wave, found.shifts[1][0] - found.shifts[0][0]);
         assert!((shift - quarter).abs() < 1e-5, "a quarter of a wave of order four: {shift}");

@@ -16,19 +16,21 @@ pub(super) struct ByRecording {
 }
 
 impl ByRecording {
-    /// What these columns, at values recording by recording, take of the squared error.
+    /// Reduction of the squared error by these columns with separate coefficients in each
+    /// recording.
     pub(super) fn gain(&self, each: &DVector<f64>) -> f64 {
         gain(&self.information, &self.score, each)
     }
 }
 
-/// What parameters at `p` take of a squared error with that information and score at zero: `2 g'p - p'Hp`.
+/// Reduction of a squared error with that information and score at zero by parameters at `p`:
+/// `2 g'p - p'Hp`.
 pub(super) fn gain(information: &DMatrix<f64>, score: &DVector<f64>, p: &DVector<f64>) -> f64 {
     2.0 * p.dot(score) - p.dot(&(information * p))
 }
 
-/// Twice the log-likelihood ratio of columns that take `gain` of the squared error `before` of so many independent
-/// values.
+/// Twice the log-likelihood ratio of columns that reduce the squared error `before` of `degrees` independent
+/// values by `gain`.
 ///
 /// ```text
 /// LR = n ln(S/(S - gain))

@@ -23,7 +23,7 @@ pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
         let rate = 1.0 / r.step();
         let sum: f64 = r.torque().iter().flatten().map(|m| m * m).sum();
         let rms = (sum / (2 * r.len()) as f64).sqrt();
-        let noise = r.noise().omega;
+        let noise = r.motion_noise().omega;
         let sigma = noise[0].max(noise[1]).max(1e-9 * r.top_speed());
         let allowed = NOISE * rms * mobility / sigma;
         let fresh = r.fresh().iter().filter(|f| **f).count().max(1) as f64 / r.len() as f64;

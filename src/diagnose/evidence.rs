@@ -46,7 +46,7 @@ pub(super) fn without_noise(
     for _ in 0..DRAWS {
         let recordings = windows.recordings.iter();
         let noisy: Vec<Vec<[f64; 2]>> =
-            recordings.map(|r| noisier_input(r, r.noise().torque, &mut rng)).collect();
+            recordings.map(|r| noisier_input(r, r.input_noise(), &mut rng)).collect();
         for sign in [1.0, -1.0] {
             let with = |(r, noisy): (&&Recording, &Vec<[f64; 2]>)| {
                 let rows = r.torque().iter().zip(noisy);

@@ -8,7 +8,7 @@ use crate::identify::among_all;
 use crate::math::{Information, MinimiseOptions, minimise, sandwich};
 use crate::model::Model;
 
-/// Most Levenberg-Marquardt steps: fits that need more sit on a ridge on which the error no longer falls.
+/// Maximum number of Levenberg-Marquardt steps; more are needed only along a flat ridge of the cost.
 const STEPS: usize = 20;
 /// Negligible relative decrease of the cost: with a thousand independent values it changes the criterion by
 /// 0.1.
@@ -19,14 +19,14 @@ const TOLERANCE: f64 = 1e-4;
 pub struct WindowFit {
     /// The fitted model, including fixed parameters.
     pub model: Model,
-    /// One value a parameter.
+    /// One value per parameter.
     pub p: Vec<f64>,
     /// Half of `Σ e²/s²` over the training windows.
     pub cost: f64,
     /// Covariance of all parameters, from the scores of the windows; zero for those that are held,
     /// infinite for those that the data do not identify.
     pub covariance: DMatrix<f64>,
-    /// Lies a free parameter at a bound?
+    /// For each parameter, whether it is free and at a bound.
     pub at_bound: Vec<bool>,
     /// Windows that it was fitted to.
     pub windows: usize,
@@ -82,7 +82,7 @@ pub(super) fn fit_within(
         upper: Some(upper.clone()),
         ..MinimiseOptions::default()
     };
-    // the sums of the lowest cost so far, of which the covariance is made
+    // the sums at the lowest cost so far, for the covariance
     let mut lowest: (f64, Vec<Sums>) = (f64::INFINITY, vec![]);
     let evaluate = |x: &DVector<f64>| {
         let sums = windows.sums(model, &place(x), &free)?;

@@ -27,7 +27,7 @@ pub(super) fn coupling(
     effect.coupling(&Motion::at(0.0, alpha, omega, robot), p)
 }
 
-/// What drives the wheels of a recording, which no shape of a coupling changes.
+/// Torques on the wheels of a recording that do not depend on the parameters of the coupling.
 pub(super) struct Forces {
     /// Input minus resistance, of the common and the opposite motion [N m].
     modes: Vec<[f64; 2]>,
@@ -39,7 +39,8 @@ impl Forces {
     pub(super) fn of(around: &Around, recording: &Recording) -> Self {
         let (t, motion) = (recording.t(), recording.local_motion());
         let at = |k: usize| instant(around, t[k] - t[0], &motion[k]);
-        // noise of the input would be in the signal and in what it is held against
+        // smoothed, because noise of the input would otherwise be in the regressor and in the
+        // regressand
         let input = smoothed_input(recording);
         let mode = |k: usize| {
             let [a, b] = acting(around, input[k], &at(k));

@@ -1,4 +1,4 @@
-//! Judging models on recordings that they were not fitted to.
+//! Evaluation of models on recordings that they were not fitted to.
 
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub struct Judgement {
 
 /// The recordings that errors are judged on, with their smooth motion.
 pub struct Judge {
-    /// Recordings, best such that no model was fitted to.
+    /// Recordings, preferably held out from all fits.
     pub recordings: Vec<Recording>,
     hold: Hold,
 }
@@ -60,15 +60,15 @@ impl Judge {
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
     }
 
-    /// Root mean square error over windows that the right model would still have [rad/s], of one near it; zero
-    /// where the model cannot be simulated.
+    /// Root mean square error over windows of the correct model [rad/s], computed from one near it; zero if
+    /// the model cannot be simulated.
     #[must_use]
     pub fn floor(&self, model: &Model, p: &[f64]) -> WindowFloor {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
         pooled_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or_default()
     }
 
-    /// Windows that the judged recordings have, each wheel for itself; one axis written down twice is one wheel.
+    /// Number of windows of the judged recordings times wheels; an axis mapped to both wheels counts once.
     #[must_use]
     pub fn values(&self) -> f64 {
         let wheels = |r: &Recording| if r.is_single_axis() { 1.0 } else { 2.0 };
@@ -116,9 +116,9 @@ impl Judge {
         self.recordings.iter().map(Recording::top_speed).fold(0.0, f64::max)
     }
 
-    /// The strongest structure that the last model of a diagnosis leaves. It may show on the
-    /// recordings that were not fitted alone: training on one kind of motion lets the parameters
-    /// take up an effect.
+    /// The strongest structure that the last model of a diagnosis leaves. It may be visible only on
+    /// the recordings that were not fitted: if the training data contain one kind of motion only,
+    /// the parameters absorb the effect.
     ///
     /// # Errors
     /// If the filter cannot run.

@@ -1,4 +1,5 @@
-//! Low-passed regression of the input torque: the quick look of the screening, and of the timing.
+//! Low-pass-filtered regression of the input torque, used for screening and for a first estimate of
+//! the dead time.
 //!
 //! The torque that a model leaves unexplained on the smoothed motion is regressed on the columns of
 //! candidates, all of them low-passed alike and without a phase shift.
@@ -18,7 +19,7 @@ use crate::math::{FILLED, Real, add_products, least_squares, nonnegative};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
-/// Rows that are kept a cycle of the cut-off.
+/// Rows that are kept per cycle of the cut-off.
 const KEPT: f64 = 8.0;
 
 /// A recording after the low-pass.
@@ -85,8 +86,8 @@ pub struct Buffers {
 }
 
 impl<'a> Regression<'a> {
-    /// The regression of `smoothed` recordings on the free parameters of `model` around `p`, of which speeds below a
-    /// share of `speed` [rad/s] count as rest. `None` where nothing is left of them.
+    /// The regression of `smoothed` recordings on the free parameters of `model` around `p`; speeds below a share of
+    /// `speed` [rad/s] count as rest. `None` if no rows are left.
     #[must_use]
     pub fn new(
         model: &'a Model,
@@ -163,7 +164,8 @@ impl<'a> Regression<'a> {
             let r = smooth.recording;
             let (acting, by_input) = self.model.input_derivatives_of(r, r.torque(), self.p);
             let mut signals = vec![vec![[0.0; 2]; r.len()]; free.len() + 1];
-            // the input passes the filter twice; everything else is made of motion that has passed once
+            // the input is filtered twice; all other columns are computed from motion that is already
+            // filtered once
             let input = filtered(r, self.smoothed.cutoff, &acting);
             for k in 0..r.len() {
                 let m = &smooth.motion[k];
@@ -310,7 +312,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Calls `see` for every recording with the numbers of its rows and the columns of a candidate at them, low-passed:
-    /// so many numbers a row, filled up with zeros.
+    /// so many numbers per row, filled up with zeros.
     fn each_recording(
         &self,
         candidate: &Candidate,

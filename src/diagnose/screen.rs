@@ -1,8 +1,8 @@
-//! How much each candidate could take off the error of the windows, to first order.
+//! First-order estimate of the reduction of the errors of the windows by each candidate.
 //!
-//! A torque column moves the simulated speed by its integral over the inertia; the errors of the windows
-//! are regressed on these integrals beside the derivatives of the simulation. It detects what is too fast for
-//! a low-pass, at the full rate of the recording.
+//! A torque column moves the simulated speed by its integral over the inertia; the errors of the windows are
+//! regressed on these integrals beside the derivatives of the simulation. At the full rate of the recording,
+//! it detects effects that are too fast for the low-pass.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -73,8 +73,8 @@ impl Rows {
     }
 }
 
-/// What a candidate adds to the information and the score: products of its columns with the base, with each other
-/// and with the errors.
+/// Contribution of a candidate to the information and the score: products of its columns with the base, with each
+/// other and with the errors.
 struct Products {
     by_base: DMatrix<f64>,
     own: DMatrix<f64>,
@@ -155,8 +155,8 @@ impl<'a> Screen<'a> {
         sums
     }
 
-    /// What a torque of one in each column adds to the simulated speed of each wheel since the window's start, columns
-    /// of row k from place `k columns` on.
+    /// Change of the simulated speed of each wheel since the start of the window by a unit coefficient of each
+    /// column; columns of row k from place `k columns` on.
     fn integrals(
         &self,
         candidate: &Candidate,

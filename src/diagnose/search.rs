@@ -46,9 +46,8 @@ pub struct Settings {
     pub false_alarm: f64,
     /// Largest number of effects that are added.
     pub max_effects: usize,
-    /// Estimates of the model as given by other methods, one value a parameter. A fit from one of them takes the place of
-    /// those from the starts where it leaves less than half of their squared error: another minimum, and not the same one
-    /// a little lower.
+    /// Estimates of the model as given by other methods, one value per parameter. A fit from one of them replaces
+    /// those from the starts if it has less than half of their squared error: it is then in another minimum.
     pub estimates: Vec<Vec<f64>>,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
@@ -119,11 +118,11 @@ pub fn diagnose(
 struct Search<'a> {
     train: &'a [Recording],
     windows: Windows<'a>,
-    /// Windows of the validation recordings, with the judge of the error that is shown.
+    /// Windows of the validation recordings, with the evaluation of the reported error.
     held: Option<Windows<'a>>,
     judge: Judge,
     settings: &'a Settings,
-    /// The training recordings behind the low-pass of the screening.
+    /// The training recordings after the low-pass of the screening.
     smoothed: Smoothed<'a>,
     degrees: f64,
     scale: Scale,
@@ -192,7 +191,7 @@ impl<'a> Search<'a> {
             fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
         };
         let first = lowest(starts);
-        // from the noise floor no other minimum leads further down
+        // at the noise floor no other minimum can be lower
         let is_open = first.as_ref().is_none_or(|fit| self.is_unexplained(fit));
         let other = is_open.then(|| lowest(&self.settings.estimates)).flatten();
         let base = match (first, other) {
@@ -209,7 +208,8 @@ impl<'a> Search<'a> {
 
     /// Screens all candidates, refits the best, and ranks them.
     fn rank(&self, present: &WindowFit, is_base: bool) -> Vec<Ranked> {
-        // a shift of the input is what timing would take for itself: it is held while shifts are looked at
+        // the shift of the input, a nuisance parameter, is fixed while lags and delays are screened,
+        // because it is equivalent to them
         let held = held_in_time(present);
         let look = |model| self.look(model, &present.p);
         let looks = rayon::join(|| look(&present.model), || look(&held)).into();
@@ -314,10 +314,10 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Divides the ratios of an effect of many orders and several columns by what half of the orders
-    /// exceed: coloured errors raise all of them alike (a wave of an order that is not there must not win
-    /// by being tried often). Shapes that are no whole numbers are neighbours of each other, and all of
-    /// them show the effect.
+    /// Divides the likelihood ratios of an effect with many orders and several columns by their median:
+    /// coloured errors raise all orders alike, and the maximum over many orders would otherwise be
+    /// selected by chance. Shapes that are not whole numbers are correlated, and all of them respond to
+    /// the effect.
     fn level_grids(&self, looked: &mut [Ranked]) {
         let mut ids: Vec<String> = looked.iter().map(|r| r.candidate.id.clone()).collect();
         ids.dedup();
@@ -344,8 +344,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Bayesian information criterion of a candidate with that ratio: every parameter, shapes included, costs
-    /// ln n.
+    /// Bayesian information criterion of a candidate with that ratio; the penalty is ln n for every
+    /// parameter, including shapes.
     fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
         candidate.parameters() as f64 * self.degrees.ln() - ratio
     }
@@ -364,5 +364,5 @@ fn held_in_time(present: &WindowFit) -> Model {
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
 }
 
-/// Orders of an effect from which on their ratios are levelled.
+/// Number of orders of an effect from which on their ratios are divided by the median.
 const MANY: usize = 10;

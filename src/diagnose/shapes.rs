@@ -1,4 +1,4 @@
-//! Where fits of a model with shapes start.
+//! Initial values of the shapes of a model.
 
 use std::sync::Arc;
 
@@ -16,15 +16,16 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Windows of 1 s that are simulated at most: a shape that a minute of motion does not place, no start needs.
+/// Maximum number of simulated 1 s windows: one minute of motion is sufficient for initial values.
 const MOST: usize = 60;
 
-/// The model with the free shapes of its effects starting where simulated windows of the recordings are met
-/// best: effect by effect, from the shapes that recordings of that scale suggest, linear parameters by the weak
-/// form at each, and from the best of them down. A model that cannot be simulated is returned as it is.
+/// The model with the initial values of its effects' free shapes at which simulated windows of the recordings
+/// have the lowest error: effect by effect, on a grid for recordings of that scale with linear parameters by
+/// the weak form, then by a descent from the best grid point. A model that cannot be simulated is returned as
+/// it is.
 ///
-/// Descents over a shape (a resonance, a knee, an order) find the valley they start in, and a typical value is
-/// that of one robot.
+/// The cost has several minima over a shape (resonance frequency, knee, order), and the typical value is that
+/// of one robot only.
 #[must_use]
 pub fn shapes_placed(model: &Model, train: &[Recording], hold: Hold) -> Model {
     let open: Vec<usize> =
@@ -97,7 +98,8 @@ impl Place<'_> {
     }
 }
 
-/// The model with the shapes of effect number `e` starting at `values`, in their order; held shapes stay.
+/// The model with the initial shapes of effect number `e` at `values`, in their order; fixed shapes are
+/// unchanged.
 fn at(model: &Model, e: usize, values: &[f64]) -> Model {
     let shape = |&j: &usize| model.parameters()[j].spec.kind == ParameterKind::Shape;
     let places = model.slots(e).filter(shape).zip(values);

@@ -23,7 +23,7 @@ pub(super) fn signals(
                     q[j] = size;
                     size
                 }
-                None if effect.change() == Change::TimeShift => p[0],
+                None if effect.change() == Change::TimeShift => p[effect.time()],
                 None => 1.0,
             };
             let changed = effect.input(recording.t(), &smooth, &q).unwrap_or(smooth.clone());

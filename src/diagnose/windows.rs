@@ -1,7 +1,7 @@
 //! The simulation error over short windows as a cost, with its derivatives.
 //!
-//! A window is simulated openly from the smoothed state at its first row. What the uncertainty of that
-//! start explains of the error is profiled out, so that windows may be short without a bias.
+//! A window is simulated in open loop from the smoothed state at its first row. The error component
+//! due to the uncertain initial state is profiled out, so that short windows cause no bias.
 
 mod compared;
 mod errors;
@@ -27,20 +27,20 @@ use crate::robot::State;
 use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
 
 /// Largest growth of the variance of a speed over a window, in variances of the sensor: the noise of the
-/// input is an estimate, and a recording with apparently much of it must not lose its weight if the error of
-/// the model is larger than both.
+/// input is an estimate, and a recording with a large estimate must not lose its weight if the error of the
+/// model is larger than both.
 const MOST_GROWTH: f64 = 8.0;
 
 /// Recordings cut into windows.
 #[derive(Clone)]
 pub struct Windows<'a> {
-    /// What the windows are cut from.
+    /// The recordings that are cut into windows.
     pub recordings: Vec<&'a Recording>,
     /// Every window, in order.
     pub windows: Vec<Window>,
     /// The input between the rows.
     pub hold: Hold,
-    /// Variance of the measured speeds, a recording and wheel [rad^2/s^2].
+    /// Variance of the measured speeds of each recording and wheel [rad^2/s^2].
     noise: Vec<[f64; 2]>,
     /// Variance that noise of the input adds to a speed, per second of simulation [rad^2/s^3].
     growth: Vec<[f64; 2]>,
@@ -62,14 +62,14 @@ impl<'a> Windows<'a> {
                 }));
             }
         }
-        let levels = recordings.iter().map(|r| r.noise());
+        let levels = recordings.iter().map(|r| r.input_noise());
         let (noise, growth) = levels
             .zip(&recordings)
             .map(|(noise, r)| {
                 // a channel without visible noise still has rounding
                 let rounding = 1e-6 * r.top_speed();
                 let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
-                let input = noise.torque.map(|s| (s * mobility).powi(2) * r.step());
+                let input = noise.map(|s| (s * mobility).powi(2) * r.step());
                 let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
             })
@@ -119,7 +119,7 @@ impl<'a> Windows<'a> {
         self
     }
 
-    /// The recordings with every other row of the input alone.
+    /// The recordings with only every other row of the input.
     pub(super) fn halved(&self, phase: usize) -> Vec<Recording> {
         let one = |r: &&Recording| r.with_torque(every_other(r, r.torque(), phase));
         self.recordings.iter().map(one).collect()
@@ -152,8 +152,8 @@ impl<'a> Windows<'a> {
         (3 * window.rows.start / rows + window.recording) % 2
     }
 
-    /// One over the variance of the speed error of a wheel, at each row of a window; zero where the
-    /// sensor gave nothing new.
+    /// One over the variance of the speed error of a wheel, at each row of a window; zero in rows
+    /// without a new value.
     fn weight(&self, window: &Window, row: usize, wheel: usize) -> f64 {
         let (r, k) = (window.recording, window.rows.start + row);
         let recording = self.recordings[r];
@@ -313,8 +313,8 @@ impl<'a> Windows<'a> {
         quadratic_of(&self.sums(model, p, free)?, free.len())
     }
 
-    /// Row, wheel and weight of what the columns of a screening are regressed on: see
-    /// [`super::screen`].
+    /// Weights, by row and wheel, of the errors that are regressed on the columns of a screening,
+    /// see [`super::screen`].
     pub(super) fn weights(&self, window: &Window) -> Vec<[f64; 2]> {
         (0..window.rows.len()).map(|k| [0, 1].map(|i| self.weight(window, k, i))).collect()
     }
@@ -349,7 +349,7 @@ fn typical(model: &Model, j: usize) -> f64 {
     model.parameters()[j].spec.typical.abs()
 }
 
-/// The acceleration that a torque of one gives its wheel [1/(kg m²)], of a model at parameters `p`.
+/// The acceleration of a wheel per unit torque on it [1/(kg m²)], of a model at parameters `p`.
 #[must_use]
 pub fn mobility(model: &Model, p: &[f64]) -> f64 {
     let x = Motion::at(0.0, [0.0; 2], [0.0; 2], model.robot());

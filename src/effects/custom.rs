@@ -200,7 +200,7 @@ fn check_parameters(id: &str, specs: &[ParameterSpec]) -> Result<(), CustomError
         } else if base.contains(symbol) {
             "it names a parameter of the base model"
         } else if specs[..j].iter().any(|other| other.symbol == *symbol) {
-            "it stands twice"
+            "it is listed twice"
         } else {
             check_range(id, spec)?;
             continue;
@@ -227,8 +227,8 @@ impl Physics for Custom {
             title: self.id.replace('_', " "),
             equation: format!("{} on wheel 1, {second} on wheel 2", given.torque1),
             cause: given.description.clone(),
-            signature: "as the formula says".into(),
-            excitation: "driving over which the formula varies".into(),
+            signature: "as given by the formula".into(),
+            excitation: "motion over which the value of the formula varies".into(),
             equivalent: vec![],
         }
     }

@@ -91,6 +91,11 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
+    /// Place of the time \[s\] in `p`, of an effect that shifts the input in time ([`Change::TimeShift`]).
+    fn time(&self) -> usize {
+        0
+    }
+
     /// Whether it occurs on most robots.
     fn is_common(&self) -> bool {
         false
@@ -228,6 +233,8 @@ pub trait Effect: Send + Sync {
     fn acts_on_input(&self) -> bool;
     /// [`Physics::is_delay`].
     fn is_delay(&self) -> bool;
+    /// [`Physics::time`].
+    fn time(&self) -> usize;
     /// [`Physics::is_common`].
     fn is_common(&self) -> bool;
     /// [`Physics::depends_on_heading`].
@@ -330,6 +337,9 @@ impl<P: Physics> Effect for P {
     }
     fn is_delay(&self) -> bool {
         Physics::is_delay(self)
+    }
+    fn time(&self) -> usize {
+        Physics::time(self)
     }
     fn is_common(&self) -> bool {
         Physics::is_common(self)

@@ -20,7 +20,7 @@ impl Physics for FrictionWarmup {
             title: "Warm-up of friction".into(),
             equation: "level (fw +- fwd) exp(-t/tw) on wheel 1, 2".into(),
             cause: "cold grease and gears that warm up while driving".into(),
-            signature: "friction is higher at the start of the recording and settles".into(),
+            signature: "friction decays from a higher initial value to a constant".into(),
             excitation: "a recording from a cold start, several times tw long".into(),
             equivalent: vec![],
         }

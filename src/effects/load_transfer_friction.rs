@@ -24,8 +24,8 @@ impl Physics for LoadTransferFriction {
             title: "Load-transfer friction".into(),
             equation: "level + cl (w1^2 - w2^2) on wheel 1, - cl (w1^2 - w2^2) on wheel 2".into(),
             cause: "centrifugal force loads the outer wheel and unloads the inner one".into(),
-            signature: "outer wheel drags more, inner wheel less, with the product of v_A and \
-                        beta_dot"
+            signature: "friction increases on the outer wheel and decreases on the inner one in proportion \
+                        to v_A times beta_dot"
                 .into(),
             excitation: "fast curves to both sides, forward and backward".into(),
             equivalent: vec![],

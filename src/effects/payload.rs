@@ -25,8 +25,8 @@ impl Physics for Payload {
                 .into(),
             cause: "mass carried beyond the construction data".into(),
             signature: "residual torque in proportion to acceleration".into(),
-            excitation: "speeding up and braking, straight (mp) and turning (ip); it only makes \
-                         sense where a1 and a2 are fixed at construction values"
+            excitation: "speeding up and braking, straight (mp) and turning (ip); only identifiable if a1 \
+                         and a2 are fixed at their construction values"
                 .into(),
             equivalent: vec!["inertia".into()],
         }

@@ -20,7 +20,7 @@ impl Physics for QuadraticDrag {
             id: "quadratic_drag".into(),
             title: "Quadratic drag".into(),
             equation: "c w1 |w1| on wheel 1, c w2 |w2| on wheel 2".into(),
-            cause: "air or churned oil, wherever the flow is turbulent".into(),
+            cause: "air resistance or oil churning losses (turbulent flow)".into(),
             signature: "residual torque grows with the square of the wheel speed".into(),
             excitation:
                 "several steady speeds over a wide range distinguish it from viscous friction"

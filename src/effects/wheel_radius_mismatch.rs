@@ -46,7 +46,8 @@ impl Physics for WheelRadiusMismatch {
                        (eps + epd) a3 w1 (w1 + w2) on wheel 2, I = a1 - Iz1"
                 .into(),
             cause: "tyre wear or pressure: r1 = r (1 + eps), r2 = r (1 - eps)".into(),
-            signature: "unequal inertias, and a torque across the wheels at speed straight ahead"
+            signature: "unequal apparent inertias, and opposite torques on the two wheels in fast straight \
+                        driving"
                 .into(),
             excitation: "hard starts and brakes, and fast straight driving".into(),
             equivalent: vec![],

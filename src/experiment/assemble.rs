@@ -63,7 +63,7 @@ fn check(
     own: &[Own],
 ) -> Result<(), Meaning> {
     if !recordings.iter().any(|m| m.role == Role::Train) {
-        return Err(words("no recording is there to train on".into()));
+        return Err(words("no training recording is given".into()));
     }
     let train = recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
     if super::quality::without_input(train) {
@@ -82,7 +82,7 @@ fn check(
         )));
     }
     if options.methods.is_empty() {
-        return Err(words("no method is there to fit the model by".into()));
+        return Err(words("no identification method is given".into()));
     }
     options.gain.map_or(Ok(()), |gain| gain.check())?;
     options
@@ -205,10 +205,10 @@ mod tests {
     #[test]
     fn a_plan_that_cannot_run_is_refused_with_the_reason() {
         let none = refused(recordings(&[], &["validation"]), PlanOptions::default());
-        assert_eq!(none, "mine: no recording is there to train on");
+        assert_eq!(none, "mine: no training recording is given");
         let methods = PlanOptions { methods: vec![], ..PlanOptions::default() };
         let none = refused(recordings(&["train_1"], &[]), methods);
-        assert_eq!(none, "mine: no method is there to fit the model by");
+        assert_eq!(none, "mine: no identification method is given");
         let candidates = Settings { candidates: vec!["slop".into()], ..Settings::default() };
         let options = PlanOptions { diagnosis: Some(candidates.into()), ..PlanOptions::default() };
         let unknown = refused(recordings(&["train_1"], &[]), options);

@@ -58,6 +58,24 @@ impl ExperimentError {
     pub fn is_wrong_input(&self) -> bool {
         matches!(self, Self::File(_) | Self::Io(_) | Self::Meaning { .. })
     }
+
+    /// Its text without the name of the experiment file.
+    #[must_use]
+    pub fn without_file(&self) -> String {
+        match self {
+            Self::Meaning { message, .. } | Self::File(FileError::Syntax { message, .. }) => {
+                message.clone()
+            }
+            Self::File(FileError::Value { key, message, .. }) => format!("{key} {message}"),
+            other => other.to_string(),
+        }
+    }
+
+    /// Whether a recording lacks a column that its column names require.
+    #[must_use]
+    pub fn is_missing_column(&self) -> bool {
+        matches!(self, Self::Io(IoError::MissingColumn { .. }))
+    }
 }
 
 /// Errors in the content of a file, without the name of the file.

@@ -70,9 +70,11 @@ fn shifts(plan: &Plan, effect: &str) -> bool {
     add(&plan.model, effect, &plan.own).is_ok_and(|model| model.shifts_input())
 }
 
-/// The change by an effect that stands in place of the delay that the fit had before.
+/// The change by an effect that replaces the delay of the earlier fit.
 fn in_place_of_delay(effect: &str) -> String {
-    format!("before, the fit had a delay for the dead time, in whose place {effect} stands now")
+    format!(
+        "the earlier fit contained an input delay for the dead time, which {effect} now replaces"
+    )
 }
 
 /// The change of the error by the added effect.
@@ -81,9 +83,11 @@ fn change(effect: &str, before: f64, after: f64) -> String {
     if percent < -LEAST {
         format!("{:.1} % less", -percent)
     } else if percent < LEAST {
-        format!("as before: these recordings do not need {effect}, so take it out again")
+        format!(
+            "unchanged: these recordings give no evidence for {effect}; remove it from the model"
+        )
     } else if percent.is_finite() {
-        format!("{percent:.1} % more: {effect} does not belong in this model, so take it out again")
+        format!("{percent:.1} % more: {effect} does not improve this model; remove it")
     } else {
         "not comparable".into()
     }
@@ -99,8 +103,8 @@ mod tests {
     #[test]
     fn the_change_of_the_error_is_said_with_its_sense() {
         assert_eq!(change("slope", 0.6, 0.0534), "91.1 % less");
-        assert!(change("slope", 0.0543, 0.0571).starts_with("5.2 % more: slope does not belong"));
-        assert!(change("slope", 0.0543, 0.0542).starts_with("as before: "));
+        assert!(change("slope", 0.0543, 0.0571).starts_with("5.2 % more: slope does not improve"));
+        assert!(change("slope", 0.0543, 0.0542).starts_with("unchanged: "));
         assert_eq!(change("slope", 0.05, f64::INFINITY), "not comparable");
     }
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use super::guess::{Guess, Written, file_text, guess};
-use crate::conditioning::{self, Channel, Context, Finding, Settings, condition, stated};
+use super::guess::{About, Guess, Written, file_text, guess};
+use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
 use crate::io::{
     Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
 };
@@ -87,7 +87,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     }
     let is_asked = guess.is_open();
     let unread: Option<String> = unread.filter(|_| !is_asked);
-    guess.questions.extend(unread.iter().map(|reason| {
+    guess.ask_all(unread.iter().map(|reason| {
         format!("what is to be changed? The recording cannot be read with these columns: {reason}")
     }));
     let (validation, split) = split(&kinds);
@@ -171,10 +171,10 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
         let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
         // files have no unit for half a turn; conditioning converts it
         if let Some(one) = open.filter(|_| unit != "half-turns") {
-            let answered = one.asks_unit();
-            guess.questions.retain(|question| !question.starts_with(&answered));
+            let answered = About::Unit(one.name.clone());
             (one.unit, one.unit_open) = (Some(unit.into()), false);
-            one.evidence.push(format!("{finding}").split(';').next().unwrap_or_default().into());
+            one.evidence.push(Stated::of(finding).what());
+            guess.answer(&answered);
         }
     }
 }
@@ -188,7 +188,7 @@ fn ask_gear(guess: &mut Guess, ratio: f64) {
     if [fast, slow].iter().any(|c| c.unit_open || c.scale_open || c.scale.is_some()) {
         return;
     }
-    guess.questions.push(format!(
+    guess.ask(format!(
         "the speeds are {ratio:.4} times the derivative of the angles: is there a gear between `{}` (motor) and `{}` (wheel)? If so, write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" if it reverses the direction); otherwise correct the units",
         fast.name, slow.name
     ));
@@ -261,7 +261,8 @@ fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
         } else if let ([_], Some(kind), true) = (&of[..], kind, many) {
             let words = kind.words();
             said.push(format!(
-                "one recording alone is {words}: it is fitted, and nothing validates it"
+                "only one recording is {words}: it is used for training, so this kind of movement is not \
+                 validated"
             ));
         }
     }

@@ -59,14 +59,15 @@ impl fmt::Display for Remark {
                     keys.iter().map(|key| format!("simulation.{key}")).collect();
                 write!(
                     f,
-                    "{} {verb} no effect: the movement is {movement}; take {them} out, or use movement = \"rich\"",
+                    "{} {verb} no effect, because the movement is {movement}; remove {them}, or use \
+                     movement = \"rich\"",
                     keys.join(" and ")
                 )
             }
             Self::OtherGain { methods } => write!(
                 f,
-                "emulator.gain = 0 is used to judge, not to fit, {}: a fuzzy method is fitted with a gain of 1 1/s \
-                 unless its [[method]] has a gain; write gain = 0.0 there to fit the free simulation",
+                "emulator.gain = 0 applies to the evaluation only: {} is fitted with a gain of 1 1/s \
+                 unless its [[method]] block sets `gain`; set gain = 0.0 there to fit the free simulation",
                 methods.join(", ")
             ),
             Self::NoTrack { effects } => write!(

@@ -26,7 +26,7 @@ pub(super) struct Syntax {
 
 /// A printed formula.
 pub(super) struct Printed {
-    /// Statements, one a line, without indentation.
+    /// Statements, one per line, without indentation.
     pub(super) statements: Vec<String>,
     /// Number of temporaries.
     pub(super) temporaries: usize,

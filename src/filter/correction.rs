@@ -1,4 +1,4 @@
-//! One correction of the filter, and what keeps a covariance sound.
+//! One correction of the filter, and operations that keep a covariance symmetric and consistent.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -10,7 +10,7 @@ pub(super) type Covariance<const N: usize> = SMatrix<f64, N, N>;
 /// Variance of a wheel that is at rest [rad^2/s^2].
 pub(super) const STILL: f64 = 1e-10;
 
-/// Takes out what rounding made asymmetric.
+/// Removes asymmetry by rounding.
 pub(super) fn make_symmetric<const N: usize>(covariance: &mut Covariance<N>) {
     *covariance = (*covariance + covariance.transpose()) * 0.5;
 }

@@ -145,7 +145,7 @@ impl<'a> Coupled<'a> {
             let passed =
                 [0, 1].map(|i| by_stiffness * x[TWIST + i] + by_damping * (x[2 + i] - x[BODY + i]));
             self.forced[*j] += (part.body_gain - part.gain) * SVector::<f64, 2>::from(passed);
-            // what the wheel gains of the inertia the body loses
+            // the inertia that is added to the wheel is subtracted from the body
             let wheel = part.wheel_acceleration.map(|a| -by_rotor * a);
             let body = part.body_acceleration.map(|a| by_rotor * a);
             self.forced[*j] += part.gain * SVector::<f64, 2>::from(wheel)

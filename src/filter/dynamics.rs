@@ -1,5 +1,4 @@
-//! What moves the state over a step: the rigid robot, or (in `coupled`) one with a body behind its
-//! wheels.
+//! The dynamics of a step: the rigid robot, or (in `coupled`) one with a body behind its wheels.
 
 use nalgebra::Matrix2;
 

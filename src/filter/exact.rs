@@ -11,14 +11,15 @@ use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::robot::State;
 use crate::simulate::{Ends, Walk};
 
-/// The rigid robot, moved as the simulation moves it: Runge-Kutta 4 with the input in a straight
-/// line between its ends, contact events located inside the row, exact derivatives through them.
+/// The rigid robot with the integrator of the simulation: Runge-Kutta 4 with an input linear over
+/// the row, contact events located inside the row, exact derivatives through them.
 ///
 /// Derivatives by inertias are those along the smoothed input. With the recorded one they would
 /// share its noise with the innovations, and inertias would come out too large (errors in
 /// variables) where friction is most of the input; as instruments they need not be exact.
 ///
-/// States (alpha1, alpha2, omega1, omega2). What the input does not explain enters as torque noise:
+/// States (alpha1, alpha2, omega1, omega2). Deviations from the recorded input enter as torque
+/// noise:
 ///
 /// ```text
 /// Q = diag(s_M² + max(0, ΔM² - 6 s_M²)/12) + Σ_j d_j d_j' crossing_j,   P <- F P F' + G Q G'
@@ -54,7 +55,7 @@ impl<'a> Exact<'a> {
         }
     }
 
-    /// What torque on the wheels does to the state over a step in which they move freely.
+    /// Input matrix G of a step without contact: change of the state per unit torque.
     fn gain(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
         let [i11, i12, i22] = match self.walk.mobility() {
             Some(constant) => constant,
@@ -92,13 +93,13 @@ impl Dynamics<4> for Exact<'_> {
         self.acting.extend(ends.filter_map(|(j, ends)| ends.map(|ends| (j, ends))));
         let time = (sample.t, sample.t + sample.step);
         let after = self.walk.step(&before, time, &sample.ends, &self.acting);
-        // a motion that diverges is far away: its likelihood is no number
+        // a diverging simulation has a likelihood of NaN
         let after = after.unwrap_or(State { alpha: [f64::NAN; 2], omega: [f64::NAN; 2] });
         self.rest = after.omega.map(|w| w == 0.0);
         let columns = [0, 1, 2, 3].map(|k| Mean::<4>::from(self.walk.by_state(k)));
         let mut transition = Covariance::<4>::from_columns(&columns);
         for i in (0..2).filter(|&i| self.rest[i]) {
-            // a wheel at rest has forgotten its speed
+            // the speed of a wheel at rest does not depend on the previous state
             transition.row_mut(2 + i).fill(0.0);
         }
         self.transition = transition;
@@ -144,7 +145,8 @@ impl Dynamics<4> for Exact<'_> {
         for (column, torque) in by_column.iter_mut().zip(extra) {
             carried(column, (g * SVector::<f64, 2>::from(*torque)).into());
         }
-        // what the smoothed input accelerates differently, inertias resist: A⁻¹ is G's over h
+        // acceleration by the difference of smoothed and recorded input, times ∂A/∂θ; A⁻¹ is the
+        // lower block of G over h
         let smoother = SVector::<f64, 2>::from(sample.smoother);
         let acceleration = g.fixed_view::<2, 2>(2, 0) * smoother / sample.step;
         for (j, slope) in &self.slopes {

@@ -8,16 +8,18 @@ use super::correction::{Covariance, Mean, STILL, freeze};
 use crate::effects::along;
 use crate::math::Real;
 
-/// The exponential of less than minus this is zero.
+/// exp(-x) underflows to zero for x above this value.
 const UNDERFLOW: f64 = 746.0;
 
 /// The first of the [`DIRECTIONS`] are those of the wheels.
 const WHEELS: usize = 2;
 /// Standard deviations from rest between which the direction of a motion becomes clear.
 const CLEAR: (f64, f64) = (2.0, 4.0);
-/// Variance of an unclear friction in units of its level squared: anything between the levels.
+/// Variance of a friction of unknown direction in units of its level squared: uniform between plus
+/// and minus the level.
 const UNCLEAR: f64 = 1.0 / 3.0;
-/// Shares of the speed that a step may lose between which a wheel is sure not to pass through rest.
+/// Ratios of the speed to its possible change in a step (two standard deviations included) between
+/// which the weight of a reversal decreases from one to zero.
 const PASS: (f64, f64) = (0.75, 1.25);
 
 /// Dry friction over a step, statistically linearised along each direction.
@@ -25,7 +27,7 @@ const PASS: (f64, f64) = (0.75, 1.25);
 pub(super) struct Friction {
     /// Not below zero [N m].
     pub(super) level: [f64; 4],
-    /// How clear each direction is, see [`clarity`].
+    /// Certainty of each direction, see [`clarity`].
     clear: [f64; 4],
     /// Means of the signs.
     pub(super) sign: [f64; 4],
@@ -71,8 +73,8 @@ impl Friction {
         along_directions(&[0, 1, 2, 3].map(|j| self.level[j] * self.slope[j]))
     }
 
-    /// Variance of what the mean of the signs leaves out [N^2 m^2], with that of a direction which may pass through
-    /// rest within a step of `h`.
+    /// Variance of the friction about its mean [N^2 m^2], including that of a direction in which the speed may pass
+    /// through rest within a step of `h`.
     #[inline]
     pub(super) fn with_reversals(
         &self,
@@ -109,12 +111,12 @@ fn along_directions([first, second, turning, forward]: &[f64; 4]) -> Matrix2<f64
     Matrix2::new(first + both, beside, beside, second + both)
 }
 
-/// Mean of the sign of a friction of this `level` over a speed `v` of this `variance`, the slope of that
-/// mean, and the variance of the torque that it leaves out. As far as its direction is not `clear` the
-/// friction is anywhere between its levels instead.
+/// Mean of the sign of a friction of this `level` over a speed of mean `v` and this `variance`, the
+/// slope of that mean, and the variance of the torque about it. The share 1 - `clear` of the friction is
+/// uniform between minus and plus its level instead.
 fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) {
     if v * v > 2.0 * UNDERFLOW * variance {
-        // far from rest, as most steps are: erf is one and its slope nothing
+        // far from rest, as in most steps: erf is one and its slope zero
         return (clear * v.signum(), 0.0, (1.0 - clear) * UNCLEAR * level * level);
     }
     let sign = Real::erf(v / (2.0 * variance).sqrt());
@@ -124,13 +126,13 @@ fn linearised(level: f64, v: f64, variance: f64, clear: f64) -> (f64, f64, f64) 
     (clear * sign, clear * slope, rest)
 }
 
-/// How clear the direction of a friction of the body (turning, forward) is at speed `v` along it, of
-/// which the sensors leave `variance` open: 0 within two standard deviations of rest, 1 beyond four,
-/// smooth between. That of a wheel is always 1.
+/// Certainty (0 to 1) of the direction of a friction of the body (turning, forward) at speed `v`
+/// along it, with sensor variance `variance`: 0 within two standard deviations of rest, 1 beyond
+/// four, smooth between. That of a wheel is always 1.
 ///
-/// As far as it is unclear a friction is noise in the step. A robot that drives straight holds
-/// w1 - w2 at zero because its controller does; a friction that pins it there would predict that
-/// better than the noise of the recorded torques, and so be found where there is none.
+/// A friction of uncertain direction is treated as process noise. In straight driving the
+/// controller keeps w1 - w2 near zero; a model with friction in this direction would predict that
+/// better than the noisy torques do, and friction would be detected on robots without it.
 #[must_use]
 pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
     if direction < WHEELS || v * v >= CLEAR.1 * CLEAR.1 * variance {
@@ -139,8 +141,8 @@ pub fn clarity(direction: usize, v: f64, variance: f64) -> f64 {
     between(CLEAR, v.abs() / variance.sqrt())
 }
 
-/// 0 below the first limit, 1 above the second, smooth between: a likelihood with jumps has no
-/// derivatives to climb by.
+/// 0 below the first limit, 1 above the second, smooth between, so that the likelihood is
+/// differentiable.
 pub(super) fn between(limits: (f64, f64), x: f64) -> f64 {
     let share = ((x - limits.0) / (limits.1 - limits.0)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
@@ -168,14 +170,15 @@ pub(super) fn torque_noise(sigma: f64, change: &[f64; 2], friction: &[f64; 4]) -
 }
 
 /// Variance of the input over a row in which it changes by `change` [N m], with white noise of standard deviation
-/// `sigma`: a straight line that is in truth a step at some time in the row.
+/// `sigma`: a step at an unknown time in the row, recorded as a straight line.
 #[inline]
 pub(super) fn input_variance(sigma: f64, change: f64) -> f64 {
     let white = sigma * sigma;
     white + (change * change - 6.0 * white).max(0.0) / 12.0
 }
 
-/// After a step that leaves `decay` of the slow torques: their noise is added, and wheels that stand stay.
+/// Completes a step with decay factor `decay` of the slow torques: adds their process noise and keeps
+/// wheels at rest.
 #[inline]
 pub(super) fn finish<const N: usize>(
     noise: &ProcessNoise,

@@ -57,9 +57,9 @@ pub(crate) struct Piece {
 /// input causes an error equal to the assumed measurement error. T = 0 is maximum likelihood.
 /// The noise levels are not estimated, so they cannot absorb missing effects.
 ///
-/// What the input does between its rows is noise of each row. With `alike` and a horizon it is the same
-/// in all rows of all recordings, the mean of it in s_M: where the model is known to be wrong, rows in which the input
-/// moves, starts and reversals, are not to count for less.
+/// The unknown input between its rows is noise of each row. With `alike` and a horizon its mean over all rows of all
+/// recordings is used in every row, in s_M: if the model is known to be incomplete, rows with a changing input
+/// (starts, reversals) must not have a lower weight.
 pub(crate) struct HorizonFilter<'a> {
     pub(crate) prepared: &'a [Prepared<'a>],
     /// The input between rows.
@@ -69,9 +69,9 @@ pub(crate) struct HorizonFilter<'a> {
     crossing: Vec<Vec<[f64; 4]>>,
     /// Inertia of a wheel for which the horizon is converted to noise.
     inertia: f64,
-    /// Standard deviation of the input with what it does between rows [N m].
+    /// Standard deviation of the input, including its unknown values between rows [N m].
     whole_noise: f64,
-    /// Whether noise of the input is taken to be the same in all rows, where there is a horizon.
+    /// Whether the noise of the input is the same in all rows, if there is a horizon.
     pub(crate) alike: bool,
 }
 
@@ -119,8 +119,8 @@ impl<'a> HorizonFilter<'a> {
         (0..self.prepared.len()).any(|r| self.input_noise(r, self.alike) > 0.0)
     }
 
-    /// Standard deviation of the input of a recording [N m]: its own, or, where rows count `alike`, that of all
-    /// recordings with what the input does between its rows.
+    /// Standard deviation of the input of a recording [N m]: its own, or, if rows count `alike`, that of all
+    /// recordings including the unknown input between rows.
     fn input_noise(&self, r: usize, alike: bool) -> f64 {
         if alike { self.whole_noise } else { self.prepared[r].torque_noise }
     }
@@ -201,13 +201,13 @@ struct Run<'a> {
     variance: [f64; 4],
     crossing: &'a [[f64; 4]],
     columns: usize,
-    /// Whether both wheels carry the same numbers.
+    /// Whether both wheels have identical data.
     single: bool,
     /// Whether noise of the input is the same in all rows.
     alike: bool,
 }
 
-/// What goes along a pass.
+/// State of a pass.
 struct Gathered<const N: usize> {
     psi: Vec<[f64; N]>,
     information: Information,
@@ -323,13 +323,14 @@ impl Run<'_> {
             if !self.prepared.used[i] || (single && i % 2 == 1) {
                 continue;
             }
-            // one axis written down twice is measured once, by the mean of the wheels
-            let sight = if single { [(i, 0.5), (i + 1, 0.5)] } else { [(i, 1.0), (i, 0.0)] };
+            // an axis mapped to both wheels is measured once, by the mean of the wheels
+            let observed = if single { [(i, 0.5), (i + 1, 0.5)] } else { [(i, 1.0), (i, 0.0)] };
             let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
-            let (e, s) = correct(sight, value, self.variance[i], mean, covariance, psi, row);
+            let (e, s) = correct(observed, value, self.variance[i], mean, covariance, psi, row);
             gathered.count(e, s);
             if single {
-                // their difference, always zero, holds them together and says nothing
+                // the difference of the wheels, always zero, is a pseudo-measurement without
+                // information
                 let apart = [(i, 1.0), (i + 1, -1.0)];
                 let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
                 correct(apart, 0.0, self.variance[i], mean, covariance, psi, row);

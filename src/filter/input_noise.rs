@@ -6,7 +6,7 @@ use nalgebra::{DVector, Matrix2};
 use super::correction::Covariance;
 use super::step::Predicted;
 
-/// The mean of the score at the truth, gathered along a pass.
+/// Expected score at the true parameters, accumulated during a pass.
 ///
 /// ```text
 /// u = M + n:   x - x̂  gets -G n,   ψ_j = ∂x̂/∂θ_j  gets  G L_j n,   L_j = -(∂A/∂θ_j) Φ A⁻¹

@@ -5,15 +5,15 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Log-likelihood by which another level of noise must be better [nats]: that of four standard errors.
+/// Increase of the log-likelihood for which another level of noise is accepted [nats]: four standard
+/// errors.
 const SURE: f64 = 8.0;
 
-/// Share (0 to 1) of the standard deviation of the input's differences, [`Recording::input_jumps`], that is
-/// noise: the most likely noise of the input for a model at `p` relative to that of its differences, if the
-/// innovations contradict the latter.
+/// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
+/// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
 ///
 /// A held command, and a controller that responds to the counts of an encoder, change from row to row like
-/// noise, but the robot follows them. An incomplete model makes the innovations larger and the share one.
+/// noise, but the robot follows them. An incomplete model makes the innovations larger and the ratio one.
 #[must_use]
 pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> f64 {
     let prepared = recordings.iter().map(|r| prepare(r)).collect();

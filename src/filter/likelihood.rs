@@ -19,8 +19,8 @@ pub struct Likelihood<'a> {
     pub hold: Hold,
     /// Whether the slow unknown torque is part of the noise model.
     pub slow_moment: bool,
-    /// Whether [`ProcessNoise::later`] is estimated. It is for estimates at the limit of the data;
-    /// a search for lags and delays must not lose half a sample of them to it.
+    /// Whether [`ProcessNoise::later`] is estimated, for efficient estimates. It is fixed in
+    /// searches for lags and delays, with which it is correlated by up to half a sample.
     pub timing: bool,
 }
 
@@ -53,8 +53,9 @@ const SETTLED: f64 = 1.0;
 const GAIN: f64 = 2e-3;
 /// Information of a parameter in units of its own size below which it is rounding.
 const NOTHING: f64 = 1e-12;
-/// Where no step raises it, but the score promises less than this, the maximum is reached: the
-/// score leaves out how the filter's gain depends on the parameters, so it need not vanish there.
+/// If no step raises it and the predicted increase is less than this, the maximum is reached: the
+/// score neglects the dependence of the filter's gain on the parameters, so it need not vanish
+/// there.
 const SLACK: f64 = 0.1;
 
 /// How a run of Gauss-Newton steps ended.
@@ -72,10 +73,10 @@ impl Likelihood<'_> {
         PassSettings { noise: *noise, derivatives, keep_innovations, input_noise }
     }
 
-    /// How far noise of the recorded input biases every parameter at a maximum.
+    /// Bias of every parameter at a maximum by noise of the recorded input.
     ///
     /// ```text
-    /// H⁻¹ E[Σ ψ e / S],   not zero for inertias: the acceleration they multiply holds that noise
+    /// H⁻¹ E[Σ ψ e / S],   not zero for inertias: the acceleration they multiply contains that noise
     /// ```
     ///
     /// # Errors
@@ -93,7 +94,7 @@ impl Likelihood<'_> {
             .collect::<Result<_, _>>()?;
         let score: DVector<f64> = passes.iter().map(|pass| &pass.score_of_input_noise).sum();
         let mut bias = vec![0.0; maximum.p.len()];
-        // a single axis has none computed
+        // not computed for a single axis
         if score.is_empty() {
             return Ok(bias);
         }
@@ -125,7 +126,7 @@ impl Likelihood<'_> {
             .collect()
     }
 
-    /// The innovations of every recording, at no noise but the given.
+    /// The innovations of every recording with the given noise only.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite.
@@ -205,7 +206,7 @@ impl Likelihood<'_> {
             status = climb.status;
             iterations += climb.steps;
             evaluations += climb.evaluations;
-            // parameters that moved far leave the noise of where they were behind
+            // the noise is estimated anew after a large change of the parameters
             if !refresh || (round >= 2 && climb.gain < SETTLED) || round + 1 == ROUNDS {
                 break;
             }
@@ -220,8 +221,9 @@ impl Likelihood<'_> {
         Ok(Maximum { p, noise, log_likelihood, information, status, iterations, evaluations })
     }
 
-    /// Gauss-Newton steps at fixed noise; moves `p`. Not [`crate::math::minimise`], which ends where the cost does not
-    /// fall: the score leaves out how the gain depends on the parameters, so it promises what the cost does not hold.
+    /// Gauss-Newton steps at fixed noise; moves `p`. Not [`crate::math::minimise`], which ends if the cost does not
+    /// decrease: the score neglects the dependence of the gain on the parameters, so the predicted decrease is not
+    /// reached.
     fn climb(
         &self,
         model: &Model,
@@ -255,8 +257,8 @@ impl Likelihood<'_> {
                 let mut trial = p.clone();
                 for (s, &j) in step.iter().zip(&free) {
                     let range = model.parameters()[j].spec.range;
-                    // a shape outside its range has no meaning; linear ones may cross zero, so
-                    // that an effect that is not there scatters around it
+                    // a shape outside its range has no meaning; linear parameters may cross zero,
+                    // so that estimates of an absent effect scatter around it
                     let limited = matches!(
                         model.parameters()[j].spec.kind,
                         crate::effects::ParameterKind::Shape
@@ -293,8 +295,7 @@ impl Likelihood<'_> {
     }
 }
 
-/// Free parameters of which the data tell anything: the others, of a size that only rounding gives
-/// information of, stay where they are.
+/// Free parameters with information above rounding level; the others are kept fixed.
 fn identified(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize> {
     let size = |j: usize| p[j].abs().max(model.parameters()[j].spec.typical.abs());
     let mut out = model.free();
@@ -302,7 +303,7 @@ fn identified(model: &Model, p: &[f64], information: &DMatrix<f64>) -> Vec<usize
     out
 }
 
-/// `H⁻¹ g` over the free columns; directions that the data do not give stay where they are.
+/// `H⁻¹ g` over the free columns; zero in directions that the data do not determine.
 fn newton_step(h: &DMatrix<f64>, g: &DVector<f64>, free: &[usize]) -> Vec<f64> {
     let of_free = h.select_rows(free).select_columns(free);
     Information::new(&of_free).solve(&g.select_rows(free)).iter().copied().collect()

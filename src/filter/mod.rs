@@ -37,7 +37,7 @@ use crate::model::ModelError;
 #[cfg(test)]
 mod tests;
 
-/// Why a likelihood has no maximum to be found.
+/// Why a likelihood cannot be maximised.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FilterError {
     /// The model cannot be evaluated.
@@ -51,14 +51,14 @@ pub enum FilterError {
 /// Process noise: motion that the recorded input does not explain.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProcessNoise {
-    /// White noise of the recorded input, one draw a sample [N m].
+    /// White noise of the recorded input, independent from sample to sample [N m].
     pub sigma_m: f64,
     /// Standard deviation of a slow unknown torque [N m].
     pub sigma_d: f64,
     /// Its time constant \[s\].
     pub tau_d: f64,
-    /// Weight of the later of two recorded inputs in the mean input between them: 0.5 where the
-    /// input runs in straight lines, 0 where it is held, between where it is held for parts of a
-    /// sample (0.4 for five steps a sample), and elsewhere where rows are stamped early or late.
+    /// Weight of the later of two recorded inputs in the mean input between them: 0.5 for a linear
+    /// input, 0 for a held one, between for one held over parts of a sample (0.4 for five steps per
+    /// sample), other values if rows are stamped early or late.
     pub later: f64,
 }

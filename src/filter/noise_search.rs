@@ -11,21 +11,21 @@ use crate::simulate::Hold;
 
 /// Longest time constant of the slow torque \[s\].
 const SLOWEST: f64 = 1.0;
-/// Difference of the weights of the later input at which the likelihood is looked at.
+/// Step in the weight of the later input for differences of the likelihood.
 const LATER: f64 = 0.1;
-/// Difference of the logarithms at which innovations are differentiated.
+/// Step in the logarithms for differences of the innovations.
 const DIFFERENCE: f64 = 0.02;
 /// Longest step of a logarithm.
 const LONGEST: f64 = 2.0;
-/// Least damping, for directions that the data hardly show.
+/// Smallest damping, for directions that the data hardly determine.
 const RIDGE: f64 = 1e-6;
-/// Least factor of a variance in one step.
+/// Smallest factor of a variance in one step.
 const LEAST: f64 = 0.1;
 /// A step with a smaller gain, actual or predicted, is the last [nats].
 const GAIN: f64 = 0.05;
 /// Steps, at most.
 const STEPS: usize = 15;
-/// Slow torque to start with where none is known, as a share of the rms input.
+/// Initial slow torque if none is given, as a share of the RMS input.
 const FIRST_SLOW: f64 = 0.01;
 /// Information of a logarithm below which a step of it changes nothing.
 const LEAST_INFORMATION: f64 = 1e-3;
@@ -33,7 +33,7 @@ const LEAST_INFORMATION: f64 = 1e-3;
 const NEGLIGIBLE: f64 = 0.1;
 /// Time constants at which a slow torque is tried again \[s\].
 const TIME_CONSTANTS: [f64; 2] = [1.0, 0.1];
-/// A step damped by more than this leads nowhere.
+/// Largest damping; the search ends beyond it.
 const DAMPED: f64 = 1e4;
 
 impl Likelihood<'_> {
@@ -102,8 +102,8 @@ impl<'a> NoiseSearch<'a> {
     fn new(likelihood: &'a Likelihood<'a>, model: &'a Model, p: &'a [f64], later: f64) -> Self {
         let rms = likelihood.torque_rms();
         let steps = likelihood.prepared.iter().map(|p| p.recording.step());
-        // faster than a few samples it is white noise of the input under another name; slower
-        // than a second it would take a constant offset, or a floor that slopes, for noise
+        // faster than a few samples it is equivalent to white noise of the input; slower than a
+        // second it would absorb a constant offset or a sloping floor
         let step = steps.fold(f64::MAX, f64::min);
         let fastest = 5.0 * step;
         let low = Vector3::new(1e-6 * rms, 1e-5 * rms, fastest).map(f64::ln);
@@ -137,7 +137,7 @@ impl<'a> NoiseSearch<'a> {
             let Some(slopes) = self.slopes(&x) else { break };
             count += 1 + self.dimensions;
             let mut gain = 0.0;
-            // a step that fails is tried again, shorter
+            // a rejected step is repeated with more damping
             while gain == 0.0 && damping < DAMPED {
                 let (trial, promised) = self.next(&x, &slopes, damping);
                 if promised < GAIN {
@@ -160,8 +160,8 @@ impl<'a> NoiseSearch<'a> {
         (x, count)
     }
 
-    /// Climbs again where one of white noise and slow torque is next to nothing at `x` and both, equally
-    /// strong, would be likelier: from nothing, no slope leads to a noise.
+    /// Restarts the search if one of white noise and slow torque is negligible at `x` and equal levels
+    /// are more likely: the derivative by a level of noise vanishes at zero.
     fn climb_again(&self, x: Vector3<f64>) -> (Vector3<f64>, usize) {
         let share = x[1] - self.as_strong_as(x[0], x[2]);
         let half = 0.5 * 2.0_f64.ln();
@@ -209,7 +209,7 @@ impl<'a> NoiseSearch<'a> {
         let steps = Information::new(&of_free).solve_damped(&right, damping + RIDGE);
         let (mut trial, mut promised) = (*x, 0.0);
         for (&j, &by_log) in free.iter().zip(&steps) {
-            // a variance is moved as such, from v to v (1 + 2 by_log)
+            // the step is linear in the variance: from v to v (1 + 2 by_log)
             let step = if j < 2 { 0.5 * (1.0 + 2.0 * by_log).max(LEAST).ln() } else { by_log };
             trial[j] = (x[j] + step.clamp(-LONGEST, LONGEST)).clamp(self.low[j], self.high[j]);
             promised += 0.5 * g[j] * by_log;
@@ -227,7 +227,7 @@ impl<'a> NoiseSearch<'a> {
         })
     }
 
-    /// Of one recording: innovations of few are held at a time, so that many take little memory.
+    /// For one recording at a time, to limit the memory for innovations.
     fn slopes_of(&self, r: usize, x: &Vector3<f64>) -> Option<Slopes> {
         // away from the bound, if there is one
         let difference = Vector3::from_fn(|i, _| {

@@ -15,11 +15,12 @@ use crate::effects::Motion;
 use crate::math::LogProduct;
 use crate::model::{Model, ModelError};
 
-/// Length of the blocks whose scores are kept apart, for errors that survive a wrong noise
-/// model \[s\].
+/// Length of the blocks whose scores are kept apart, for standard errors that are valid with a
+/// wrong noise model \[s\].
 const BLOCK: f64 = 5.0;
 
-/// Standard deviations of its noise between which a bend of the input becomes a jump.
+/// Standard deviations of its noise between which a second difference of the input is attributed to
+/// a jump.
 const JUMP: (f64, f64) = (3.0, 5.0);
 
 /// Additional torque columns of a pass, whose coefficients are zero in the model.
@@ -53,7 +54,7 @@ pub struct Instant<'a> {
     pub sign: [f64; 4],
     /// Variance of w1 - w2 and of w1 + w2 [rad^2/s^2].
     pub spread: [f64; 2],
-    /// Variance of either that the sensors leave open whatever the process does [rad^2/s^2].
+    /// Variance of either due to sensor noise alone, for any process noise [rad^2/s^2].
     pub speed_variance: f64,
     /// Acting input over the step [N m].
     pub input: [f64; 2],
@@ -68,7 +69,7 @@ pub struct PassSettings {
     pub derivatives: bool,
     /// Whether innovations and their variances are kept.
     pub keep_innovations: bool,
-    /// Whether the mean of the score that noise of the input makes is computed; takes derivatives.
+    /// Whether the mean score due to noise of the input is computed; requires derivatives.
     pub input_noise: bool,
 }
 
@@ -163,7 +164,7 @@ fn run<D: Dynamics<N>, const N: usize>(
         single,
         // a single axis is a motor with an encoder of its own, whose noise is small
         input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
-            // an input that acts as roughly as it was recorded leaves little to the process
+            // if the recorded roughness of the input is real, the process noise is small
             let sigma = settings.noise.sigma_m.min(prepared.torque_noise);
             InputNoise::new(sigma * sigma, p.len())
         }),
@@ -239,7 +240,7 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             mean[i] = a[i];
             mean[2 + i] = if still[i] { 0.0 } else { w[i] };
             let [alpha, omega] = [self.prepared.variance[i], self.prepared.variance[2 + i]];
-            // a channel that was computed from the other starts as uncertain as that makes it
+            // the initial variance of a channel computed from the other follows from that one
             covariance[(i, i)] = if self.prepared.used[i] { alpha } else { 1e-12 };
             covariance[(2 + i, 2 + i)] =
                 if self.prepared.used[2 + i] { omega } else { 2.0 * alpha / (step * step) };
@@ -254,8 +255,8 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
     /// ```text
     /// mean input = (1 - c) M0 + c M1 - c (1 - c)/3 h^2 M'',   h^2 M'' = (M_-1 - M0 - M1 + M2)/2
     /// ```
-    /// exact to second order for an input held over parts of a row, c = (m - 1)/(2 m) for m of
-    /// them; a bend beyond noise is a jump, which has no curvature.
+    /// exact to second order for an input held over each of m parts of a row, c = (m - 1)/(2 m); a
+    /// second difference beyond noise is a jump, for which no curvature is assumed.
     fn sample(&self, k: usize, piece: &std::ops::Range<usize>) -> Sample<'static> {
         let recording = self.prepared.recording;
         let t = recording.t();
@@ -339,9 +340,9 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             if let Some(input_noise) = &mut self.input_noise {
                 input_noise.correct(i, covariance[(i, i)] + variance, covariance);
             }
-            let sight = [(i, 1.0), (i, 0.0)];
+            let observed = [(i, 1.0), (i, 0.0)];
             let (psi, row) = (&mut self.psi, self.information.next_row());
-            let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
+            let (e, s) = correct(observed, value, variance, mean, covariance, psi, row);
             self.count(k, i, e, s);
         }
         if self.settings.derivatives && recording.t()[k] > self.block_end {
@@ -358,9 +359,9 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
         for (i, value) in [(0, a[0]), (2, w[0])] {
             if self.prepared.used[i] {
                 let variance = self.prepared.variance[i];
-                let sight = [(i, 0.5), (i + 1, 0.5)];
+                let observed = [(i, 0.5), (i + 1, 0.5)];
                 let (psi, row) = (&mut self.psi, self.information.next_row());
-                let (e, s) = correct(sight, value, variance, mean, covariance, psi, row);
+                let (e, s) = correct(observed, value, variance, mean, covariance, psi, row);
                 self.count(k, i, e, s);
                 let (psi, row) = (&mut self.psi, self.information.next_row());
                 let apart = [(i, 1.0), (i + 1, -1.0)];

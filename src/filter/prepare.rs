@@ -2,7 +2,7 @@
 
 use crate::recording::{Recording, Sensing};
 
-/// What of a recording the filter needs and what does not change between passes.
+/// The quantities of a recording that the filter needs and that do not change between passes.
 #[derive(Clone, Debug)]
 pub struct Prepared<'a> {
     /// The recording, from which the other fields are taken.
@@ -13,7 +13,7 @@ pub struct Prepared<'a> {
     pub variance: [f64; 4],
     /// Channels that are measured on their own.
     pub used: [bool; 4],
-    /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
+    /// Variance of w1 - w2, and of w1 + w2, in the local motion due to noise [rad^2/s^2].
     pub speed_variance: f64,
     /// Noise of the input from differences [N m].
     pub torque_noise: f64,

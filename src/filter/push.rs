@@ -1,11 +1,11 @@
-//! The transition of a step of the rigid robot, in blocks of two by two: what its structure leaves to multiply.
+//! The transition matrix of the rigid robot in blocks of two by two, so that products skip the zero blocks.
 
 use nalgebra::{Matrix2, Vector2};
 
 use super::ProcessNoise;
 use super::correction::Covariance;
 
-/// What a step does to states (alpha, omega, d), two of each.
+/// Transition of the states (alpha, omega, d), two of each, over a step.
 ///
 /// ```text
 /// dω = S_a alpha + S_w omega + S_d d
@@ -44,7 +44,8 @@ impl Push {
         }
     }
 
-    /// Lets the step last `h` \[s\]. Steps of even sampling differ by rounding, and their decays with them.
+    /// Sets the length of the step to `h` \[s\]. Steps of even sampling differ by rounding, and their
+    /// decays with them.
     #[inline]
     pub(super) fn last(&mut self, h: f64, noise: &ProcessNoise) {
         self.h = h;
@@ -146,7 +147,7 @@ fn assembled([aa, aw, ww]: [Matrix2<f64>; 3], slow: [Matrix2<f64>; 3]) -> Covari
             }
         }
     };
-    // what rounding made asymmetric is taken out
+    // asymmetry by rounding is removed
     let symmetric = |block: Matrix2<f64>| (block + block.transpose()) * 0.5;
     set(0, 0, &symmetric(aa));
     set(0, 1, &aw);

@@ -9,7 +9,7 @@ use crate::recording::{Recording, SlowNoise};
 
 /// Lags of the structure function, and correlation times that are tried, at equal ratios.
 const COUNT: usize = 16;
-/// Rows of the shortest rest that is looked at.
+/// Rows of the shortest rest that is used.
 const SHORTEST: usize = 10;
 /// Median of the square of a standard normal variable.
 const MEDIAN_SQUARE: f64 = 0.454_936;
@@ -21,7 +21,7 @@ const SPREAD: f64 = 5.44;
 const FEWEST: f64 = 4.0;
 /// Log-likelihood by which slow noise of both wheels must be better than none [nats]: that of four standard errors.
 const SURE: f64 = 8.0;
-/// Variance below which a lag shows nothing, as a share of the largest.
+/// Smallest variance that is used, as a share of the largest.
 const NOTHING: f64 = 1e-3;
 
 /// Autocorrelated noise of each wheel's recorded input, from the rows in which both wheels are at rest. There

@@ -20,7 +20,8 @@ pub(super) struct Sample<'a> {
     pub(super) input: [f64; 2],
     /// The acting input at both ends of the sample [N m].
     pub(super) ends: Ends,
-    /// What of the input moves the angle less than its mean would, see [`lag_of_angle`] [N m].
+    /// Correction of the mean input for its effect on the angle (first moment over the step), see
+    /// [`lag_of_angle`] [N m].
     pub(super) tilt: [f64; 2],
     /// Change of the recorded input over the sample [N m].
     pub(super) change: [f64; 2],
@@ -28,13 +29,14 @@ pub(super) struct Sample<'a> {
     /// the smoothed one.
     pub(super) smoother: [f64; 2],
     /// Variance of a friction along each direction that may reverse within the sample [N^2 m^2],
-    /// where the step itself does not spread it.
+    /// for steps that do not add it themselves.
     pub(super) crossing: [f64; 4],
     /// Derivative of `input` by each parameter; empty where no effect acts on the input.
     pub(super) by_parameter: &'a [[f64; 2]],
     /// Derivative of `ends` by each parameter that acts through them.
     pub(super) ends_by_parameter: &'a [Option<Ends>],
-    /// Variance of the speed of the body that noise leaves whatever the process does [rad^2/s^2].
+    /// Variance of the speed of the body due to sensor noise alone, for any process noise
+    /// [rad^2/s^2].
     pub(super) speed_variance: f64,
     /// Wheels at rest during the sample.
     pub(super) still: [bool; 2],
@@ -66,19 +68,20 @@ pub(super) struct Law<'a> {
     pub(super) noise: ProcessNoise,
 }
 
-/// What the second moment of an input takes from the angle that its mean alone would give.
+/// Difference between the change of the angle by the mean of an input and that by the input, from
+/// its first moment.
 ///
 /// ```text
 /// ∫ (h - s) M ds = h² (mean/2 - tilt),   tilt = c (1 - c)/3 (M1 - M0)
 /// ```
-/// with the weight c of the later row in the mean: exact for an input in straight lines (c = 1/2,
-/// M0/3 + M1/6), a held one (c = 0), and one held over m parts of the row, c = (m - 1)/(2 m).
-/// Derived here.
+/// with the weight c of the later row in the mean: exact for a linear input (c = 1/2, M0/3 + M1/6),
+/// a held one (c = 0), and one held over each of m parts of the row, c = (m - 1)/(2 m). Derived
+/// here.
 pub(super) fn lag_of_angle(later: f64, start: &[f64; 2], end: &[f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| later * (1.0 - later) / 3.0 * (end[i] - start[i]))
 }
 
-/// Takes the second moment of the input out of the angles after a step with its mean.
+/// Corrects the angles after a step with the mean input for the first moment of the input.
 pub(super) fn tilt_angles<const N: usize>(
     mean: &mut Mean<N>,
     gain: &SMatrix<f64, N, 2>,
@@ -93,9 +96,10 @@ pub(super) fn tilt_angles<const N: usize>(
 /// Moves mean and covariance over one sample.
 ///
 /// Every sgn is replaced by its mean over the filter's own spread, erf(v / sqrt(2 V)), and the
-/// variance that the mean leaves out becomes process noise; a wheel that may pass through rest
-/// within the step adds the whole friction as noise, so the step is skipped softly. The step is
-/// implicit in the friction (its slope is stiff) and of second order elsewhere.
+/// variance about that mean becomes process noise; if a wheel may pass through rest within the
+/// step, the square of the friction level is added to the process noise, which reduces the weight
+/// of the step. The step is implicit in the friction (its slope is stiff) and of second order
+/// elsewhere.
 #[inline]
 pub(super) fn predict(
     law: &Law,

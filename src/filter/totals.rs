@@ -7,7 +7,7 @@ use super::pass::{Columns, NoColumns, Pass, PassSettings, filter_pass};
 use super::{Likelihood, ProcessNoise};
 use crate::model::{Model, ModelError};
 
-/// Passes that are held at a time where only their sum is wanted.
+/// Passes kept in memory at a time if only their sum is needed.
 const HELD: usize = 64;
 
 impl Likelihood<'_> {

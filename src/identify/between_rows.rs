@@ -1,31 +1,34 @@
-//! Inertias that may be made of what the input does between its rows.
+//! Test whether the estimated inertias may be due to the unknown input between the rows.
 //!
-//! Over a span of rows the inertias take an impulse J Δw, and of the impulse of the input the rows show that of the lines
-//! between them. Lines between every other row show how far it may be off:
+//! Over a span of rows the change of momentum is J Δw, and the impulse of the input is known only up to the error of
+//! interpolation. Interpolating every other row gives an estimate of that error:
 //!
 //! ```text
 //! J Δw = (a1 Δw1 + a2 Δw2, a2 Δw1 + a1 Δw2),   D = ∫ (M by all rows - M by every other row) dt
 //! share = least of  rms D/rms J Δw  over spans of 2, 4, 8, … rows
 //! ```
-//! D is as large as the error of the lines themselves where the input changes from row to row without order, and larger where
-//! it is smooth. A fit attributes to the inertias what of that error goes with Δw: at most this share of them. White noise
-//! of the input grows with the root of the span, J Δw with the span itself, so that a fast and noisy log has a small share.
+//! D is as large as the interpolation error if the changes of the input from row to row are independent, and larger
+//! if it is smooth. A fit attributes the part of that error that is proportional to Δw to the inertias: at most this
+//! share of them. White noise of the input grows with the root of the span, J Δw with the span itself, so that a fast
+//! and noisy log has a small share.
 
 use super::{Fit, Note};
 use crate::model::base::{A1, A2, A3};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Share of the inertias beyond which they are not identifiable: the larger part of them may be that of the lines.
+/// Share of the inertias above which they are not identifiable: the larger part of them may be an error of
+/// interpolation.
 const LARGER_PART: f64 = 0.5;
-/// How much faster the rows must come: the share falls with the interval at least, of a smooth input with its square.
+/// Factor of the required sampling rate: the share decreases at least in proportion to the interval, for a smooth
+/// input to its square.
 const TENFOLD: f64 = 10.0;
-/// Fewest spans that show a root mean square to a quarter of itself.
+/// Smallest number of spans, for a relative error of a root mean square of a quarter.
 const FEWEST: usize = 10;
 
 impl Fit {
-    /// The same with inertias that are not identifiable, and a note that says why, where the larger part of them may be
-    /// what the input of the recordings did between its rows. An input that holds from row to row is known there.
+    /// The same with inertias marked as not identifiable, and a note with the reason, if the larger part of them may
+    /// be due to the unknown input between the rows of the recordings. A held input is known between its rows.
     #[must_use]
     pub fn between_rows(mut self, train: &[Recording], hold: Hold) -> Self {
         let inertias: Vec<usize> =
@@ -51,8 +54,8 @@ impl Fit {
     }
 }
 
-/// The share of the inertias a1 and a2 that the input between the rows of the recordings may make; `None` where too few spans
-/// show it.
+/// The share of the inertias a1 and a2 that may be due to the unknown input between the rows; `None` if there are too
+/// few spans.
 fn share([a1, a2]: [f64; 2], recordings: &[Recording]) -> Option<f64> {
     let longest =
         recordings.iter().flat_map(Recording::pieces).map(ExactSizeIterator::len).max()?;

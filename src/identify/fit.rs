@@ -111,7 +111,7 @@ pub struct Work {
 /// Kind of the curves of a trace.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum TraceKind {
-    /// Estimates of the parameters of these symbols, each in its own unit; one curve a symbol.
+    /// Estimates of the parameters of these symbols, each in its own unit; one curve per symbol.
     Estimates(Vec<String>),
     /// The lowest quality index so far [rad^2/s]; one curve.
     Cost,
@@ -119,7 +119,7 @@ pub enum TraceKind {
     Profile,
 }
 
-/// What runs along the axis of a trace.
+/// Quantity on the axis of a trace.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum TraceAxis {
     /// Time \[s\].
@@ -140,11 +140,11 @@ pub enum TraceAxis {
 pub struct Trace {
     /// Quantity of the curves.
     pub kind: TraceKind,
-    /// What they run along.
+    /// Quantity on the axis.
     pub axis: TraceAxis,
     /// Positions along it.
     pub at: Vec<f64>,
-    /// One row a position, one value a curve.
+    /// One row per position, one value per curve.
     pub values: Vec<Vec<f64>>,
 }
 
@@ -155,7 +155,7 @@ pub struct Fit {
     pub method: String,
     /// The identified dynamics.
     pub dynamics: Arc<dyn Dynamics>,
-    /// One estimate a parameter of the physical model; empty for others.
+    /// One estimate per parameter of the physical model; empty for others.
     pub estimates: Vec<Estimate>,
     /// Covariance of all parameters (zero rows where fixed, infinite variance where the data
     /// do not identify one).
@@ -173,7 +173,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// A physical fit: `p` has one value a parameter of `model`, `covariance` is that of all of
+    /// A physical fit: `p` has one value per parameter of `model`, `covariance` is that of all of
     /// them; an infinite variance marks what is not identifiable.
     #[must_use]
     pub fn physical(

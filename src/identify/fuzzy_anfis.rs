@@ -51,7 +51,7 @@ impl Search for Anfis {
     fn describe() -> MethodDescription {
         MethodDescription {
             name: Self::NAME.into(),
-            title: "Fuzzy emulator: ANFIS, membership functions learn too".into(),
+            title: "Fuzzy emulator: ANFIS (adaptive membership functions)".into(),
             equation: "consequents by least squares, then centres and widths by a gradient step, \
                        in turns"
                 .into(),

@@ -9,22 +9,23 @@ use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 
-/// Covariance of all parameters and what to say about it.
+/// Covariance of all parameters, with notes on it.
 pub(super) struct Identified {
-    /// Covariance of all parameters; infinite where the data give nothing, zero where fixed.
+    /// Covariance of all parameters; infinite for parameters that are not identifiable, zero for
+    /// fixed ones.
     pub(super) covariance: DMatrix<f64>,
-    /// What is not known.
+    /// What is not identifiable.
     pub(super) notes: Vec<Note>,
 }
 
 /// A parameter whose torque, at the speeds of the recordings, is uncertain by more than this many
 /// times the largest input is not identifiable.
 const LARGEST_TORQUE_ERROR: f64 = 1e3;
-/// Directions in which noise makes this share of the columns are not known.
+/// Directions in which noise is this share of the columns are not identifiable.
 const NOISE_SHARE: f64 = 0.5;
 /// Parts of a projection below this are rounding.
 const ROUNDING: f64 = 1e-9;
-/// How well directions that noise hides are known.
+/// Relative accuracy of directions that are dominated by noise.
 const ROUGH: f64 = 0.1;
 /// Parameters with less than this part in a direction do not take part in it.
 const PART: f64 = 1e-3;
@@ -32,7 +33,7 @@ const PART: f64 = 1e-3;
 /// Inverts the information of the free parameters (scaled to unit diagonal) and determines which are
 /// not identifiable, which combination of two is identifiable instead, and which motion identifies them.
 ///
-/// `values` has one entry a parameter; `information` is that of all parameters. A `given`
+/// `values` has one entry per parameter; `information` is that of all parameters. A `given`
 /// covariance replaces the inverse information for identifiable parameters.
 pub(super) fn identified(
     model: &Model,
@@ -82,8 +83,8 @@ pub(crate) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// Linear parameters of which rounding is all the data hold: a column that should be zero never is
-/// quite.
+/// Linear parameters with information by rounding only: a column that should be zero is not exactly
+/// zero.
 fn undetermined(
     model: &Model,
     values: &[f64],
@@ -129,9 +130,9 @@ pub(super) fn torque_of_each(
 /// drop d:  d' N d > 1/2 d' A d,    A = x'x,  N the part of it that is noise
 /// Π = 1 - D (D' A D)⁻¹ D' A
 /// ```
-/// Straight driving with noisy speeds is the case: the difference of the two accelerations is
-/// noise alone, and least squares would take a1 - a2 from it. The directions themselves are only
-/// known up to the noise, so parts of a few percent count as none and ratios near one as one.
+/// Straight driving with noisy speeds is the case: the difference of the two accelerations is noise
+/// alone, from which least squares would estimate a1 - a2. The directions themselves are only known
+/// up to the noise, so parts of a few percent count as none and ratios near one as one.
 pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let known = Information::new(a);
@@ -157,7 +158,7 @@ pub(super) fn known_part(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> Option<DMatr
     }
     let inside = inverse_where_known(&(d.transpose() * a * &d));
     let mut out = DMatrix::identity(n, n) - &d * inside * d.transpose() * a;
-    // what is zero but for rounding is zero, or the column would count as known
+    // values below rounding are set to zero, since the column would otherwise count as identifiable
     for i in 0..n {
         for k in 0..n {
             if out[(i, k)].abs() * scale[i] < ROUNDING * scale[k] {
@@ -199,8 +200,7 @@ fn sparse_basis(directions: &DMatrix<f64>, tolerance: f64) -> DMatrix<f64> {
     d
 }
 
-/// Inverse of a symmetric matrix over the directions that carry something, after scaling it to
-/// unit diagonal.
+/// Inverse of a symmetric matrix over its non-zero directions, after scaling it to unit diagonal.
 pub(super) fn inverse_where_known(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     Information::new(matrix).inverse()
 }
@@ -220,12 +220,12 @@ fn note(
     let unknown = match *part {
         [i] => Unknown::One(name(i)),
         [i, k] => {
-            // what is known is the combination across the direction that is not
+            // the identifiable combination is orthogonal to the direction that is not
             let (di, dk) = (direction[i] / scale[i], direction[k] / scale[k]);
             let (a, b, weight) = (free[i], free[k], -dk / di);
             let (aa, bb) = (finite[(a, a)], finite[(b, b)] * weight * weight);
             let variance = aa + 2.0 * finite[(a, b)] * weight + bb;
-            // a difference of rounding errors is no variance
+            // a difference of rounding errors is not a variance
             let is_known = variance > f64::EPSILON * (aa + bb);
             Unknown::Two {
                 first: name(i),

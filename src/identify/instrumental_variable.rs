@@ -63,9 +63,10 @@ impl Identifier for InstrumentalVariable {
                 "as torque_regression, with noisy speeds: the simulated columns carry little \
                        of their noise"
                     .into(),
-            avoid_when: "the torques are noisy: their noise moves the simulated robot too; its \
+            avoid_when:
+                "the torques are noisy: the simulated instruments then contain the same noise; its \
                          intervals do not cover the bias of the filter"
-                .into(),
+                    .into(),
         }
     }
 

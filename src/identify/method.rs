@@ -100,7 +100,7 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
     /// Only where there is no fit at all; see [`IdentifyError`].
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError>;
 
-    /// As [`Self::identify`] from every row of recordings that are too long to be held: `task` has
+    /// As [`Self::identify`] from every row of recordings that are too long for memory: `task` has
     /// windows of them, and `long` a way to read them for each training recording that is one.
     /// `None` if the method, so configured, needs all rows at once.
     ///
@@ -157,7 +157,7 @@ fn range_in_words(option: &Value) -> Option<String> {
             .into_iter()
             .filter_map(|(name, word)| bound(name, word))
             .collect();
-    // schemars gives every unsigned integer the minimum 0, which says nothing
+    // schemars gives every unsigned integer the minimum 0, which is not a limit
     let trivial = option["type"] == "integer" && option["minimum"] == 0 && parts.len() == 1;
     (!parts.is_empty() && !trivial).then(|| parts.join(", "))
 }

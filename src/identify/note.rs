@@ -25,7 +25,7 @@ pub enum Note {
     },
     /// The estimates make a mass matrix that is not positive definite.
     MassNotPositive,
-    /// Cut-offs of the filter of a regression, one a recording \[Hz\].
+    /// Cut-offs of the filter of a regression, one per recording \[Hz\].
     CutOff(Vec<f64>),
     /// Symbols and how far noise in the columns biases their values.
     Biased(Vec<(String, f64)>),
@@ -79,7 +79,7 @@ pub enum Note {
         /// Size of the input.
         size: f64,
     },
-    /// The larger part of the inertias may be made of what the input does between its rows.
+    /// The larger part of the inertias may be due to the unknown input between the rows.
     BetweenRows {
         /// Their symbols.
         symbols: Vec<String>,
@@ -87,7 +87,7 @@ pub enum Note {
         share: f64,
         /// From row to row \[s\].
         step_s: f64,
-        /// Rows a second that would do.
+        /// Rows per second that would be sufficient.
         rate: usize,
     },
     /// `torque_regression` simulates better, and its values are used.
@@ -130,7 +130,7 @@ pub enum Note {
     },
     /// Error of an emulator on the training recordings.
     Emulator {
-        /// How it is fed; `None`: the same rules simulated freely.
+        /// Its structure; `None`: the same rules simulated freely.
         fed: Option<(Structure, f64)>,
         /// ISE [rad^2/s]; `None` where it diverges.
         ise: Option<f64>,
@@ -146,7 +146,7 @@ pub enum Note {
     },
     /// The emulator has no rules for backward speeds.
     ForwardOnly,
-    /// All rows of recordings too long to be held were read in blocks.
+    /// All rows of recordings too long for memory were read in blocks.
     ReadInBlocks(usize),
     /// Number of windows used for recordings too long for memory.
     FittedToWindows(usize),
@@ -182,7 +182,7 @@ pub enum Unknown {
     One(String),
     /// One parameter, which was held at a value.
     Held(String, f64),
-    /// Two, of which `first + weight second` is known.
+    /// Two, of which `first + weight second` is identifiable.
     Two {
         /// Symbol.
         first: String,

@@ -1,5 +1,5 @@
-//! The error of open-loop simulations over 2 s, piece by piece: what the report shows, here on
-//! pieces that a fit has not seen.
+//! The error of open-loop simulations over 2 s, piece by piece: the error in the report, here on
+//! held-out pieces.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ const WINDOW: f64 = 2.0;
 /// Rows before a window that effects on the input look back at \[s\].
 const BEFORE: f64 = 2.0;
 
-/// Paired standard errors by which another one must be better than the first: one, the usual
+/// Paired standard errors by which another error must be smaller than the first: one, the usual
 /// rule of cross-validation (Breiman et al. 1984, section 3.4.3).
 const STANDARD_ERRORS: f64 = 1.0;
 
@@ -47,7 +47,7 @@ impl OpenLoop<'_> {
         let motion = recording.local_motion();
         let t = recording.t();
         let whole = recording.piece_of(rows.start)?;
-        // a two-mass drivetrain gets under way over all windows before
+        // the body state of a two-mass drivetrain is initialised by simulating the windows before
         let first = if model.is_coupled() { whole.start } else { rows.start };
         let from = whole.start + t[whole.start..].partition_point(|s| *s < t[first] - BEFORE);
         let acting = model.input(&t[from..rows.end], &recording.torque()[from..rows.end], p);
@@ -91,7 +91,7 @@ fn windows(t: &[f64], rows: &Range<usize>) -> Vec<Range<usize>> {
     (0..count).map(|n| edge(n)..edge(n + 1)).filter(|window| !window.is_empty()).collect()
 }
 
-/// Where a simulation starts: the local motion, at rest where its own error hides the speed.
+/// Initial state of a simulation: the local motion, at rest if its speed is below its own error.
 fn start(motion: &LocalMotion) -> State {
     let omega = [0, 1].map(|i| {
         let w = motion.omega[i];
@@ -105,8 +105,8 @@ pub(super) fn mean(errors: &[f64]) -> f64 {
     errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 
-/// Whether errors are smaller than others by more than a paired standard error; anything finite is
-/// smaller than what is not.
+/// Whether errors are smaller than others by more than a paired standard error; any finite error is
+/// smaller than an infinite one.
 pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
     if !mean(than).is_finite() {
         return mean(errors).is_finite();

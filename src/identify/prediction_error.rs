@@ -148,7 +148,7 @@ impl PredictionError {
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
             Some((filter, solution, p))
         };
-        // the regression of torques, a start and the guard at the end
+        // the regression of torques, for initial values and for the fallback
         let rows = TorqueRegression::default().rows(task).ok();
         let starts = ranked(task, &open, starts(task, rows.as_ref())?);
         let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
@@ -175,7 +175,7 @@ impl PredictionError {
         for symbol in &self.profile {
             add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
-        // a regression would find the same inertia without end
+        // a regression would find the same unbounded inertia
         if self.horizon_s == Horizon::default() && !spread_out {
             return Ok(rival::better((task, rows), &open, &chosen, fit, filter.alike));
         }
@@ -196,9 +196,9 @@ fn compared(filter: &HorizonFilter, held: &Held) -> Vec<f64> {
     HORIZONS.into_iter().filter(|horizon| *horizon >= first).collect()
 }
 
-/// Whether derivatives along the input as recorded, with its noise, would move a parameter of the
-/// maximum-likelihood fit by more than its standard error: then what the smoothing of the input
-/// leaves of that bias matters too.
+/// Whether derivatives along the recorded input, with its noise, would change a parameter of the
+/// maximum-likelihood fit by more than its standard error: then the bias that remains with the
+/// smoothed input is relevant too.
 fn biased_by_noise(filter: &HorizonFilter, held: &Held) -> bool {
     let (model, solution) = (&held.model, &held.solution);
     let Some(moved) = solution.moved_by(filter, model, Reading::Noisy) else { return true };
@@ -209,7 +209,7 @@ fn biased_by_noise(filter: &HorizonFilter, held: &Held) -> bool {
     beyond(of_scores(solution)) && beyond(spread(solution, filter, model))
 }
 
-/// Where descents may start: the weak form, the regression of torques, the construction.
+/// Initial values of descents: the weak form, the regression of torques, the construction.
 fn starts(task: &Task, rows: Option<&Regression>) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let mut all = vec![start::start(task, NAME)?];
     if let Some(Ok(fit)) = rows.map(|rows| TorqueRegression::default().fit(rows, false)) {
@@ -271,12 +271,12 @@ fn physical(
     fit.status = solution.status;
     fit.work.iterations = solution.iterations;
     fit.work.evaluations = solution.evaluations;
-    // a1 has then taken what is known of both
+    // a1 then contains all that is determined of both
     let inertia = held.places.contains(&A2) && fit.estimates[A1].identifiable;
     if inertia { with_combination(fit, task.model, 1.0, &[]) } else { fit }
 }
 
-/// What to say of the horizon.
+/// The note on the horizon.
 fn note_of(chosen: &Candidate, horizon: &Horizon) -> Note {
     Note::Horizon {
         seconds: chosen.solution.horizon,

@@ -98,7 +98,7 @@ pub enum NoStart {
     #[error("the sensitivities at the start are not finite")]
     Sensitivities,
     /// No rule of the emulator is excited.
-    #[error("the recordings reach no rule")]
+    #[error("no rule is excited by the recordings")]
     Rules,
     /// The optimiser refuses, with its message.
     #[error("{0}")]
@@ -115,7 +115,7 @@ pub enum Unsupported {
     #[error(transparent)]
     LeastSquares(#[from] MathError),
     /// Errors in the columns hide the direction of least variance.
-    #[error("the columns have no smallest direction; use torque_regression")]
+    #[error("the total least-squares problem has no unique solution; use torque_regression")]
     NoSmallestDirection,
     /// The matrix of a closed form is singular.
     #[error("the recordings do not reach all rules; set `ridge` above 0")]

@@ -1,4 +1,4 @@
-//! The torque balance as a linear regression: one column a linear parameter.
+//! The torque balance as a linear regression: one column per linear parameter.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::model::{Linearisation, Model, times};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Takes the torque balance of a model apart by its linear parameters.
+/// Separates the torque balance of a model into contributions of its linear parameters.
 ///
 /// ```text
 /// column j = balance(parameter j one, other linear ones zero) - balance(all linear ones zero)
@@ -22,9 +22,9 @@ pub(super) struct Regressor<'a> {
     unit: Vec<f64>,
 }
 
-/// The acting input around each sample: that of the sample where it runs straight from sample to
-/// sample; where it keeps the value of the earlier sample, the mean of before and after (else a
-/// regression would see a delay of half a sample).
+/// The acting input around each sample: that of the sample for a linear input; for one held at the
+/// value of the earlier sample, the mean of both (otherwise a regression would contain a delay of
+/// half a sample).
 pub(super) fn input_around(
     task: &Task,
     recording: &Recording,
@@ -53,7 +53,7 @@ pub(super) fn input_along(
     out
 }
 
-/// Mass and torque of every column at one instant; the last entry is what stays with all linear
+/// Mass and torque of every column at one instant; the last entry is the part with all linear
 /// parameters at zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Balance {
@@ -70,7 +70,7 @@ impl Balance {
         times(&self.mass[c], v)
     }
 
-    /// The torque that column `c` asks for at acceleration `a`.
+    /// Torque of column `c` at acceleration `a`.
     pub(super) fn total_torque(&self, c: usize, a: &[f64; 2]) -> [f64; 2] {
         let inertial = self.carried(c, a);
         [0, 1].map(|i| inertial[i] + self.torque[c][i])
@@ -141,7 +141,7 @@ impl<'a> Regressor<'a> {
             self.model.differentiate_by_state(&[0.0; 2], &sign, work);
             work.by_state.map(|row| [row[2], row[3]])
         };
-        // each with room of its own, which what does not vary with the motion stays in
+        // each with its own buffer, in which terms that do not depend on the motion remain
         let (last, columns) = work.split_last_mut().expect("room for the given part");
         let given = at(&unit, last);
         let mut out = Vec::with_capacity(self.width() + 1);

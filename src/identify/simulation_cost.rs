@@ -184,7 +184,7 @@ impl<'a> Problem<'a> {
         sum.is_finite().then_some(sum)
     }
 
-    /// The cost with gradient and curvature, and the gradients of blocks of 5 s, one a row.
+    /// The cost with gradient and curvature, and the gradients of blocks of 5 s, one per row.
     pub(super) fn evaluate(&self, x: &DVector<f64>) -> Option<(Quadratic, DMatrix<f64>)> {
         let (p, size, count) = (self.parameters(x), x.len(), self.free.len());
         let mut hessian = DMatrix::zeros(size, size);

@@ -2,14 +2,15 @@
 //! that does not grow with them.
 //!
 //! Every row passes the same filter and the same choice as in memory. A stretch of rows is filtered
-//! with so many rows on either side that what the filter does at its ends has died away; of the rows
-//! that are used only the triangle of their QR decomposition is kept, one a block of 5 s and wheel:
+//! with margins on either side that are long enough for the end transients of the filter to decay; of
+//! the rows that are used only the triangular factor of their QR decomposition is kept, one per block
+//! of 5 s and wheel:
 //!
 //! ```text
 //! [x y] = Q R,   R'R = [x y]'[x y]
 //! ```
-//! Estimates, residual sums of squares and sums of scores over blocks, which is all that covariances
-//! are made of, are the same from R as from the rows.
+//! Estimates, residual sums of squares and sums of scores over blocks, and therefore covariances,
+//! are the same from R as from the rows.
 //!
 //! Source: Lawson and Hanson, Solving Least Squares Problems, ch. 27 (sequential accumulation).
 
@@ -25,15 +26,15 @@ use super::stretch::{Signals, Source, Stretch, Treatment};
 use super::{IdentifyError, Task};
 use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
 
-/// Time after which the answer of the filter, which is passed twice, is below 1e-9 of what it was
-/// [s Hz]: the slowest pole decays as exp(-2.4 fc t), one pass needs 8.6.
+/// Time after which the response of the filter, applied twice, has decayed to 1e-9 [s Hz]: the
+/// slowest pole decays as exp(-2.4 fc t), one pass needs 8.6.
 const SETTLED: f64 = 20.0;
-/// Rows that are filtered at a time at least, besides those on either side.
+/// Smallest number of rows that are filtered at a time, without the margins.
 const CORE: usize = 1 << 16;
 
-/// The regression from every row: of the long recordings by reading them, of the others as held.
-/// `settings` are cut-off \[Hz\] and speed near rest [rad/s] where they are given; else they come
-/// from the windows that are held.
+/// The regression from every row: long recordings are read again, the others are in memory.
+/// `settings` are cut-off \[Hz\] and speed near rest [rad/s] if they are given; otherwise they are
+/// determined from the windows in memory.
 ///
 /// # Errors
 /// As [`Regression::with_rest`], and if rows cannot be read.
@@ -235,7 +236,7 @@ struct Triangles {
     closed: Vec<f64>,
     wheel: Vec<usize>,
     block: Vec<usize>,
-    /// What noise adds to `[x y]'[x y]`.
+    /// Contribution of noise to `[x y]'[x y]`.
     noise: DMatrix<f64>,
     /// Rows so far.
     count: usize,

@@ -1,6 +1,6 @@
 //! A stretch of rows without a gap: which of them are used, and the filtered columns of the torque
-//! balance over it. Recordings that are held are cut into stretches at their gaps; those that are
-//! read block by block at the blocks too.
+//! balance over it. Recordings in memory are cut into stretches at their gaps; those that are read
+//! block by block at the blocks too.
 
 use std::ops::Range;
 
@@ -25,11 +25,11 @@ const REACH: f64 = 0.35;
 /// Extension of a movement beyond its ends [s Hz]: the filter's slowest pole, exp(-2.4 fc t), has
 /// fallen to 1e-3.
 const EXTENSION: f64 = 3.0;
-/// Cut-off of the speeds that tell rest from movement, over that of the columns: they show a reversal
-/// where it is.
+/// Cut-off of the speeds that distinguish rest from movement, over that of the columns: high enough
+/// to locate a reversal.
 const SHARPER: f64 = 4.0;
 
-/// What the rows of a recording are treated with.
+/// Parameters of the treatment of rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Treatment {
     /// Median step in time \[s\].
@@ -53,7 +53,7 @@ impl Treatment {
         let step = recording.step();
         let cutoff = cutoff(recording, cutoff_hz, noise_share);
         let ordinary = || {
-            let sigma = recording.noise().omega;
+            let sigma = recording.motion_noise().omega;
             let left = (2.0 * sharper(cutoff, step) * step).sqrt();
             (REST * recording.top_speed()).max(3.0 * left * sigma[0].max(sigma[1]))
         };
@@ -61,13 +61,13 @@ impl Treatment {
         Self { step, cutoff, slow: rest.unwrap_or_else(ordinary), every }
     }
 
-    /// Whether a piece of that many rows is shorter than the filter's answer: it then holds
-    /// nothing that the filter leaves intact.
+    /// Whether a piece of that many rows is shorter than the response of the filter, so that all of
+    /// its rows are affected by the ends.
     pub(super) fn is_too_short(&self, rows: usize) -> bool {
         (rows as f64) * self.step <= 4.0 * REACH / self.cutoff
     }
 
-    /// Rows around a disturbance within which the filter's answer to it lies.
+    /// Rows around a disturbance that are affected by it through the filter.
     pub(super) fn reach(&self) -> usize {
         ((REACH / self.cutoff / self.step).ceil() as usize).max(1)
     }
@@ -130,7 +130,7 @@ fn lanes(rows: &[[f64; 2]]) -> Vec<f64x4> {
     rows.iter().map(|row| f64x4::new([row[0], row[1], 0.0, 0.0])).collect()
 }
 
-/// The given cut-off, or the one that lets little noise into the acceleration \[Hz\]:
+/// The given cut-off, or the one with little noise in the acceleration \[Hz\]:
 ///
 /// ```text
 /// var(noise of dw after the filter) = (2π)² σ² 2 fc³ / (3 rate) = (noise_share rms dw)²
@@ -142,7 +142,7 @@ fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
         let square: f64 =
             motion.iter().map(|m| m.acceleration[0].powi(2) + m.acceleration[1].powi(2)).sum();
         let rms = (square / (2.0 * motion.len() as f64)).sqrt();
-        let noise = recording.noise();
+        let noise = recording.motion_noise();
         let sigma = noise.omega[0].max(noise.omega[1]).max(1e-12);
         let turn = std::f64::consts::TAU;
         let allowed = (noise_share * rms).powi(2);
@@ -151,7 +151,7 @@ fn cutoff(recording: &Recording, given: Option<f64>, noise_share: f64) -> f64 {
     given.unwrap_or_else(automatic).clamp(0.5_f64.min(0.1 * rate), 0.1 * rate)
 }
 
-/// The motion and the input torque that columns are made of.
+/// The motion and the input torque from which columns are computed.
 #[derive(Clone)]
 pub(super) struct Source {
     pub(super) alpha: Vec<[f64; 2]>,
@@ -168,7 +168,7 @@ impl Source {
         }
     }
 
-    /// The same with noise added; one draw for both wheels where they carry the `same` numbers.
+    /// The same with noise added; one draw for both wheels if they have the `same` data.
     pub(super) fn with_noise(mut self, noise: &Noise, same: bool, rng: &mut ChaCha8Rng) -> Self {
         let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
         for (rows, sigma) in [
@@ -222,9 +222,9 @@ impl Stretch<'_> {
     /// ```text
     /// F(M) = Σ_c θ_c F(column_c),   F(dw) = F(F'(w)) differenced,  M and dw passing F as often
     /// ```
-    /// Every movement passes the filter on its own, speeds extended oddly, all that balances an
-    /// acceleration evenly: the balance then holds up to its ends, and nothing of the friction at rest,
-    /// which is not a column times a parameter, comes in.
+    /// Every movement is filtered separately, with an odd extension of the speeds and an even extension
+    /// of all torques: the balance is then valid up to the ends, and friction at rest, which is not a
+    /// column times a parameter, does not enter.
     pub(super) fn signals(
         &self,
         regressor: &Regressor,
@@ -253,7 +253,7 @@ impl Stretch<'_> {
         let (sections, edge) = (treatment.sections(treatment.cutoff), treatment.edge());
         let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
         let t = &self.t[rows.clone()];
-        // the torques pass the filter as often as the accelerations do
+        // the torques are filtered as often as the accelerations
         let input = even(&lanes(&self.input[rows.clone()]));
         let speeds = lanes(&self.omega[rows.clone()]);
         let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);

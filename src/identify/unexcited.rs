@@ -1,4 +1,5 @@
-//! Base parameters that the movement of the recordings does not excite, fixed alike for every method.
+//! Base parameters that the movement of the recordings does not excite; they are fixed in the same
+//! way for every method.
 
 use super::open_loop::{OpenLoop, clearly_smaller};
 use super::start::start;
@@ -9,7 +10,8 @@ use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
 use crate::recording::{Lacking, Recording, lacking};
 
-/// Factors of the inertia that is not excited which must be distinguishable from its estimate (taste).
+/// Factors of the inertia that is not excited which must be distinguishable from its estimate
+/// (judgement).
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Fits `method` to a task with the base parameters fixed that the movement does not excite.
@@ -18,11 +20,11 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// straight runs only:  a1 + a2 is estimated; a2 and a3 are fixed
 /// pivots only:         a1 - a2 is estimated; a2 is fixed
 /// ```
-/// A robot that is driven straight veers slightly, because its wheels differ. A model without that difference fits the veer
-/// with the inertias, with a small standard error. If the recordings contain hardly any turns (or hardly any travel) they are
-/// therefore fixed, unless a regression with free values simulates held-out pieces better, by more than one paired standard
-/// error, than with half or twice the inertia in question. Fixed values have the ratio to the estimated combination that
-/// they have in the construction data.
+/// A robot that is driven straight veers slightly, because its wheels differ. A model without that difference
+/// attributes the veer to the inertias, with a small standard error. If the recordings contain hardly any turns (or
+/// hardly any travel) they are therefore fixed, unless a regression with free values simulates held-out pieces
+/// better, by more than one paired standard error, than with half or twice the inertia in question. Fixed values have
+/// the ratio to the estimated combination that they have in the construction data.
 ///
 /// # Errors
 /// As [`Identifier::identify`].

@@ -15,7 +15,7 @@ use crate::recording::Recording;
 pub enum TableColumn {
     /// Numbers; NaN for missing.
     Number(String, Vec<f64>),
-    /// Words, one a row.
+    /// Words, one per row.
     Text(String, Vec<String>),
 }
 

@@ -134,8 +134,8 @@ impl Damping {
 ///
 /// `evaluate` gives cost, gradient and curvature, `cost_only` the cost of a trial; both return
 /// `None` where the cost does not exist, and such a trial, like one that is not finite, is a
-/// rejected step. Parameters at a bound that the gradient pushes against are held; steps are cut
-/// at the bounds. Scaling makes the result independent of units.
+/// rejected step. Parameters at an active bound are fixed; steps are truncated at the bounds.
+/// Scaling makes the result independent of units.
 ///
 /// Source: D. W. Marquardt, J. SIAM 11 (1963); damping rule of H. B. Nielsen, IMM-REP-1999-05.
 ///

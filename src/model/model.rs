@@ -28,8 +28,8 @@ pub enum ModelError {
     },
     /// Two effects that each add a second mass to the drivetrain.
     #[error(
-        "the model has a two-mass drivetrain by `{present}` already, and `{added}` would be a \
-         second one; the equations carry one two-mass drivetrain, so keep one of the two"
+        "the model already has a two-mass drivetrain by `{present}`, and `{added}` would add a second one. \
+         A model can contain only one; remove one of the two"
     )]
     TwoCouplings {
         /// The effect in the model.

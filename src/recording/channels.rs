@@ -35,6 +35,15 @@ pub struct SlowNoise {
     pub time_s: f64,
 }
 
+/// Standard deviations of the white noise of the motion sensors, right wheel first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionNoise {
+    /// Angles \[rad\].
+    pub alpha: [f64; 2],
+    /// Speeds [rad/s].
+    pub omega: [f64; 2],
+}
+
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Noise {
@@ -46,15 +55,16 @@ pub struct Noise {
     pub torque: [f64; 2],
 }
 
-/// What of a recording's motion does not depend on a model. Angles before speeds, right wheel first.
+/// Properties of a recording's motion that do not depend on a model. Angles before speeds, right
+/// wheel first.
 #[derive(Clone, Debug)]
 pub struct Sensing {
-    /// One flag a sample and wheel: the wheel stands still.
+    /// One flag per sample and wheel: the wheel is at rest.
     pub still: Vec<[bool; 2]>,
     /// Variances of (alpha1, alpha2, omega1, omega2) [rad^2, rad^2/s^2].
     pub variance: [f64; 4],
     /// Channels that are measurements of their own.
     pub used: [bool; 4],
-    /// Variance of w1 - w2, and of w1 + w2, that noise leaves in the local motion [rad^2/s^2].
+    /// Variance of w1 - w2, and of w1 + w2, in the local motion due to noise [rad^2/s^2].
     pub speed_variance: f64,
 }

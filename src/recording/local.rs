@@ -7,7 +7,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 use self::corner::{AGREE, Corner, Corners, around};
-use super::{LocalMotion, Measured, Noise, Recording};
+use super::{LocalMotion, Measured, MotionNoise, Recording};
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -38,7 +38,7 @@ impl Recording {
     }
 
     fn parabolas_of_all(&self) -> Vec<LocalMotion> {
-        let noise = self.noise();
+        let noise = self.motion_noise();
         let mut out = vec![LocalMotion::default(); self.len()];
         for piece in self.pieces() {
             self.parabolas(piece, piece.clone(), &noise, &mut out[piece.clone()]);
@@ -51,7 +51,7 @@ impl Recording {
     pub fn local_motion_at(&self, k: usize) -> LocalMotion {
         let mut out = [LocalMotion::default()];
         if let Some(piece) = self.piece_of(k) {
-            self.parabolas(piece, k..k + 1, &self.noise(), &mut out);
+            self.parabolas(piece, k..k + 1, &self.motion_noise(), &mut out);
         }
         out[0]
     }
@@ -59,7 +59,7 @@ impl Recording {
     /// Variance of the speeds around sample `k` in the widest neighbourhood [rad^2/s^2], for the given noise
     /// of the channels; a channel with infinite noise is not used.
     #[must_use]
-    pub fn local_speed_variance(&self, k: usize, noise: &Noise) -> [f64; 2] {
+    pub fn local_speed_variance(&self, k: usize, noise: &MotionNoise) -> [f64; 2] {
         let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
         let mut out = LocalMotion::default();
         let widest = half_width(self, self.rows_per_refresh());
@@ -76,7 +76,7 @@ impl Recording {
         &self,
         piece: &Range<usize>,
         rows: Range<usize>,
-        noise: &Noise,
+        noise: &MotionNoise,
         out: &mut [LocalMotion],
     ) {
         // once for all rows: it counts them
@@ -159,7 +159,7 @@ struct Parabola<'a> {
 }
 
 impl<'a> Parabola<'a> {
-    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), noise: &Noise) -> Self {
+    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), noise: &MotionNoise) -> Self {
         let Measured { alpha, omega } = recording.measured();
         let sigma = [noise.alpha[wheel], noise.omega[wheel]].map(|sigma| sigma.max(1e-9));
         let weight = |measured, sigma: f64| if measured { 1.0 / (sigma * sigma) } else { 0.0 };

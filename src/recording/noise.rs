@@ -1,6 +1,6 @@
 //! Noise of the channels of a recording, estimated from the recording alone.
 
-use super::{Noise, Recording};
+use super::{MotionNoise, Noise, Recording};
 use crate::math::{median_high, noise};
 
 /// Length of a block for one estimate \[s\].
@@ -43,21 +43,25 @@ impl Recording {
     /// ([`Recording::set_noise_of_jumps`]).
     #[must_use]
     pub fn noise(&self) -> Noise {
+        let MotionNoise { alpha, omega } = self.motion_noise();
+        Noise { alpha, omega, torque: self.input_noise() }
+    }
+
+    /// Angles and speeds of [`Recording::noise`]. Computed once; copies of the recording with another input
+    /// share it.
+    #[must_use]
+    pub fn motion_noise(&self) -> MotionNoise {
+        *self.kept().motion_noise.get_or_init(|| self.estimate_motion_noise())
+    }
+
+    fn estimate_motion_noise(&self) -> MotionNoise {
         let channel = |values: &[[f64; 2]]| [0, 1].map(|i| self.channel_noise(values, i, true));
-        let own = Noise {
-            alpha: channel(self.alpha()),
-            omega: channel(self.omega()),
-            torque: self.input_noise(),
-        };
+        let (alpha, omega) = (channel(self.alpha()), channel(self.omega()));
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
-        match self.most_noise() {
-            Some(most) => Noise {
-                alpha: lower(own.alpha, most.alpha),
-                omega: lower(own.omega, most.omega),
-                ..own
-            },
-            None => own,
-        }
+        self.most_noise().map_or(MotionNoise { alpha, omega }, |most| MotionNoise {
+            alpha: lower(alpha, most.alpha),
+            omega: lower(omega, most.omega),
+        })
     }
 
     /// Noise of the input, right wheel first [unit of the input]: the torque of [`Recording::noise`].

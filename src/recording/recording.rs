@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::channels::{Channels, Measured, Noise, Sensing, SlowNoise};
+use super::channels::{Channels, Measured, MotionNoise, Noise, Sensing, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, slopes};
 use super::gaps::{median_step, pieces};
@@ -40,6 +40,8 @@ pub struct Recording {
 pub(super) struct Kept {
     /// [`Recording::local_motion`].
     pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
+    /// [`Recording::motion_noise`].
+    pub(super) motion_noise: OnceLock<MotionNoise>,
     /// [`Recording::sensing`].
     pub(super) sensing: OnceLock<Sensing>,
 }

@@ -1,7 +1,7 @@
-//! What angles and speeds tell with the noise of their sensors.
+//! Sensor noise, standstill and independent channels of a recording.
 
 use super::standstill::standstill;
-use super::{Noise, Recording, Sensing};
+use super::{MotionNoise, Recording, Sensing};
 
 impl Recording {
     /// Noise, standstill and independent channels of the motion. Computed once; copies of the recording
@@ -12,7 +12,7 @@ impl Recording {
     }
 
     fn sense(&self) -> Sensing {
-        let (noise, measured) = (self.noise(), self.measured());
+        let (noise, measured) = (self.motion_noise(), self.measured());
         // speeds computed from the angles are not an independent measurement
         let speeds = measured.omega && !(measured.alpha && self.speeds_are_smoothed());
         // a channel without any visible noise still has rounding; nothing is known exactly
@@ -33,15 +33,14 @@ impl Recording {
         }
     }
 
-    /// In the middle of the longest piece: with even samples it is the same nearly everywhere. Rows that
-    /// repeat a slow sensor tell nothing, nor do speeds made from angles.
-    fn speed_variance(&self, noise: &Noise, speeds: bool) -> f64 {
+    /// In the middle of the longest piece: for equidistant samples it is nearly constant. Repeated
+    /// values of a slow sensor and speeds computed from angles contain no information.
+    fn speed_variance(&self, noise: &MotionNoise, speeds: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
         let repeated = (self.len() as f64 / fresh as f64).sqrt();
-        let seen = Noise {
+        let seen = MotionNoise {
             alpha: noise.alpha.map(|sigma| sigma * repeated),
             omega: noise.omega.map(|sigma| if speeds { sigma * repeated } else { f64::INFINITY }),
-            ..*noise
         };
         let longest = self.pieces().iter().max_by_key(|piece| piece.len());
         longest.map_or(0.0, |piece| {

@@ -25,18 +25,23 @@ pub fn dead_time(timing: &Timing) -> String {
         ms(dead_time_s + INTERVAL * std_error_s)
     );
     if correction_s != 0.0 {
-        return format!("{value}, {} ms of it by logging and taken out", ms(correction_s));
+        return format!(
+            "{value}, of which {} ms are caused by logging and have been corrected",
+            ms(correction_s)
+        );
     }
     if timing.is_late() {
         return format!(
-            "{value}, more than logging explains; the methods fit it as a delay of the input, which the model of the file \
-             does not have"
+            "{value}, more than logging explains; the methods estimate it as an input delay, which the \
+             model of the file does not contain"
         );
     }
     if dead_time_s.abs() > INTERVAL * std_error_s {
-        return format!("{value}, left in: it may stand for something else that the model lacks");
+        return format!(
+            "{value}; not corrected, because it may be caused by an effect missing from the model"
+        );
     }
-    format!("{value}, not distinguished from none")
+    format!("{value}, not significantly different from zero")
 }
 
 /// What to do about a dead time that the model of the file does not have, without a diagnosis.
@@ -47,7 +52,7 @@ pub fn dead_time_advice() -> String {
     // the one that was fitted first
     shifting.sort_by_key(|effect| !effect.is_delay());
     let ids: Vec<String> = shifting.iter().map(|effect| effect.id()).collect();
-    format!("add {} to `effects` of [model], or let a [diagnosis] decide", ids.join(" or "))
+    format!("add {} to `effects` of [model], or add a [diagnosis] block", ids.join(" or "))
 }
 
 #[cfg(test)]
@@ -63,10 +68,13 @@ mod tests {
         let late = of(0.0238, 0.0);
         assert!(late.contains("23.8 ± 0.4 ms from input to motion (95 %: 23.0 to 24.6 ms), more"));
         assert!(dead_time_advice().starts_with("add actuator_delay or actuator_lag to"));
-        assert!(of(0.0038, 0.0038).ends_with("3.8 ms of it by logging and taken out"));
-        assert!(of(0.0038, 0.0).contains("left in: it may stand for something else"));
         assert!(
-            of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms") && of(-0.0038, 0.0).contains("left in")
+            of(0.0038, 0.0038).ends_with("3.8 ms are caused by logging and have been corrected")
+        );
+        assert!(of(0.0038, 0.0).contains("not corrected, because it may be caused by"));
+        assert!(
+            of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms")
+                && of(-0.0038, 0.0).contains("not corrected")
         );
         assert!(of(0.0002, 0.0).ends_with("not distinguished from none"));
     }

@@ -78,7 +78,7 @@ pub trait Dynamics: Send + Sync {
 pub struct PhysicalDynamics {
     /// Model whose equations of motion are solved.
     pub model: Model,
-    /// One value a parameter.
+    /// One value per parameter.
     pub p: Vec<f64>,
 }
 

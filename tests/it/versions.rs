@@ -23,7 +23,7 @@ fn compared(folder: &Folder, set: &[&str]) -> usize {
     arguments.extend(set.iter().flat_map(|key| ["--set", key]));
     folder.run(&arguments).says(0, &[]);
     let html = folder.read("reports/v/report.html");
-    let section = html.split_once("Versions of this model that were run");
+    let section = html.split_once("Versions of this model run so far");
     let table = section.and_then(|(_, s)| s.split("<tbody>").nth(1)?.split("</tbody>").next());
     table.map_or(0, |rows| rows.matches("<tr>").count())
 }

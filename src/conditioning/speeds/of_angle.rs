@@ -5,9 +5,10 @@
 //! omega_k = sum_j b_j (alpha_(k+j+1) - alpha_(k+j)) + e_k,   j = -m..m-1      (b by least squares)
 //!         = sum_j c_j alpha_(k+j) + e_k,                     c_j = b_(j-1) - b_j
 //! ```
-//! The angle's white noise of variance s^2 passes such a filter with s^2 sum c_j^2. A sensor of its own
-//! does not share that noise, so that e holds at least that much, however exact it is and whatever b is;
-//! a speed that was computed from these angles leaves rounding and the ends of the filter.
+//! The angle's white noise of variance s^2 passes such a filter with s^2 sum c_j^2. The noise of an
+//! independent sensor is not correlated with it, so that e has at least that variance, for any accuracy
+//! of the sensor and any b; for a speed that was computed from these angles only rounding and the ends
+//! of the filter remain.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,15 +16,15 @@ use super::super::signal::{noise_variance, trimmed};
 use super::{Finding, Kind, Samples};
 use crate::math::noise::fourth_difference_correlation;
 
-/// Samples to either side that a filter is looked for in: one of a tenth of the Nyquist frequency, of
-/// second order and run both ways, has decayed to a thousandth there.
+/// Half width of the filters in samples: one of a tenth of the Nyquist frequency, of second order and
+/// run both ways, has decayed to a thousandth there.
 const HALF: usize = 32;
 /// Largest number of rows: about fifty per coefficient, for a statistical error of 1 %.
 const ROWS: usize = 3000;
-/// Rows a coefficient, at least.
+/// Rows per coefficient, at least.
 const FEWEST: usize = 20;
-/// Part of the passed noise, as a deviation, that computed speeds may leave: an own sensor leaves at
-/// least all of it.
+/// Largest residual of computed speeds over the passed noise, as standard deviations: for an
+/// independent sensor the ratio is at least one.
 const LEFT: f64 = 0.25;
 /// Correlation of neighbouring fourth differences of the angle below which they show its noise: -0.8 for
 /// white noise, up to 1 for motion or a filter, which here make a ninth of them at most.
@@ -34,7 +35,7 @@ const WHITE: f64 = -0.6;
 pub(super) struct Left {
     /// As a share of the noise of the angle that passes the filter, both as deviations.
     share: f64,
-    /// Whether filters of full length were looked for.
+    /// Whether filters of full length were tested.
     whole: bool,
 }
 
@@ -53,7 +54,7 @@ impl Left {
     }
 }
 
-/// The largest share in which one of several recordings shows that its speeds are computed.
+/// The largest share of the recordings whose speeds are found to be computed.
 pub fn common_share<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option<f64> {
     let shown = recordings.flatten().filter_map(|f| match f.kind {
         Kind::OfAngle { share } => Some(share),

@@ -12,8 +12,8 @@ use crate::diagnose::verdict::Errors;
 type Climbed = (Vec<Step>, Vec<Vec<Ranked>>);
 
 impl Search<'_> {
-    /// The search from the best candidates of the base; from others where that leaves the larger part of the error
-    /// above the noise floor.
+    /// The search from the best candidates of the base; from others if the larger part of the error above the
+    /// noise floor remains.
     pub(super) fn climb_from_best(&self, base: &WindowFit) -> Climbed {
         let mut climbed = self.climb(base, self.rank(base, true));
         let is_unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
@@ -51,15 +51,15 @@ impl Search<'_> {
         }
     }
 
-    /// Adds the best of a ranking that does not raise the error that is shown, ranks anew, and so on. Each ranking
-    /// comes back with the effect that was taken first.
+    /// Repeatedly adds the best candidate of a ranking that does not raise the reported error, and ranks anew.
+    /// Each ranking is returned with the added effect first.
     fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> Climbed {
         let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
         let mut rankings = vec![first];
         let mut shown = self.shown(base);
         while tried.len() < self.settings.max_effects {
-            let ranking = rankings.last_mut().expect("there is one a step");
-            // no run of steps may contain one that raises the error that is shown
+            let ranking = rankings.last_mut().expect("there is one per step");
+            // no accepted sequence may contain a step that raises the reported error
             let Some((n, next)) = self.first_that_lowers(ranking, shown) else { break };
             ranking[..=n].rotate_right(1);
             shown = next;
@@ -73,17 +73,17 @@ impl Search<'_> {
         (self.pruned(base, steps), rankings)
     }
 
-    /// The place of the first candidate of a ranking whose model is the better one and whose error that is shown is
-    /// at most `shown`, with that error. The one that the criterion prefers may raise it: where two effects are
-    /// missing, a flexible one fits a part of both to the training recordings.
+    /// Index and reported error of the first candidate in the ranking that improves the criterion and whose
+    /// reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
+    /// are missing, a flexible one fits a part of both to the training recordings.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let errors = better.filter_map(|(n, r)| Some((n, self.shown(r.refit.as_ref()?))));
         errors.into_iter().find(|(_, error)| *error <= shown)
     }
 
-    /// The search begun with another effect of the first ranking, where its end is near the floor: of several
-    /// effects that are missing, the one that is taken first decides from which minimum the others are fitted.
+    /// The search started with another effect of the first ranking, if it ends near the floor: if several
+    /// effects are missing, the one added first decides from which minimum the others are fitted.
     fn other_beginnings(&self, base: &WindowFit, ranking: &[Ranked]) -> Option<Climbed> {
         let shown = self.shown(base);
         let lowers = |r: &Ranked| r.refit.as_ref().is_some_and(|fit| self.shown(fit) < shown);
@@ -101,7 +101,7 @@ impl Search<'_> {
         self.shown(fit) > THRESHOLDS.above_floor * self.judge.floor(&fit.model, &fit.p).expected
     }
 
-    /// A ranking with the effects that have a second body refitted too, where one of them then comes first.
+    /// A ranking with the effects that have a second body refitted too, if one of them is then first.
     fn with_second_bodies(&self, present: &WindowFit, ranking: &[Ranked]) -> Option<Vec<Ranked>> {
         let mut ranked = ranking.to_vec();
         let is_open = |n: &usize| is_two_mass(&ranked[*n]) && ranked[*n].refit.is_none();

@@ -17,9 +17,9 @@ impl Search<'_> {
         self.choose_alike(ranked);
     }
 
-    /// Sets what candidates are ranked by: regression and windows together. Where a column is made of the
-    /// input its noise stands on both sides of the regression, so such an effect is compared with the best of
-    /// the others by the windows alone.
+    /// Sets the ranking criterion: regression and windows together. If a column is computed from the input,
+    /// its noise is on both sides of the regression, so such an effect is compared with the best of the
+    /// others by the windows alone.
     fn set_criteria(&self, ranked: &mut [Ranked]) {
         let of_input =
             |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
@@ -32,7 +32,8 @@ impl Search<'_> {
             let by_regression = self.bic(&r.candidate, r.by_regression);
             let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
             r.bic = match first {
-                // clipping small torques fits noise: the balance of the torques must agree
+                // a dead zone can fit noise by clipping small torques, so the torque balance must
+                // also support it
                 _ if clips && by_regression > -THRESHOLDS.alike => f64::INFINITY,
                 Some((bic, by_windows)) if r.bic_windows < 0.0 => {
                     bic + 2.0 * (r.bic_windows - by_windows)
@@ -61,14 +62,14 @@ impl Search<'_> {
         }
     }
 
-    /// Difference of the criterion that training windows leave open between two refits far above their noise;
-    /// zero nearer to it, where the criterion itself is right about its uncertainty.
+    /// Difference of the criterion below which training windows do not distinguish two refits far above their
+    /// noise; zero nearer to it, where the uncertainty of the criterion is valid.
     pub(super) fn open_share(&self, a: &Ranked, b: &Ranked) -> f64 {
         let far = self.is_far_above(a) && self.is_far_above(b);
         if far { THRESHOLDS.alike_share * a.bic_windows.abs() } else { 0.0 }
     }
 
-    /// Whether the windows of a refit are missed by far more than their noise.
+    /// Whether the errors of the windows of a refit are far larger than their noise.
     pub(super) fn is_far_above(&self, r: &Ranked) -> bool {
         r.refit.as_ref().is_some_and(|fit| self.is_far(fit.cost))
     }
@@ -79,8 +80,8 @@ impl Search<'_> {
     }
 }
 
-/// The order of candidates: those first whose simulation confirms them, since the balance of the torques may be
-/// wrong by far where friction decides; among them by the criterion.
+/// The order of candidates: first those that simulation supports, since the torque balance may be far off where
+/// friction dominates; then by the criterion.
 fn before(a: &Ranked, b: &Ranked) -> Ordering {
     let refuted = |r: &Ranked| r.bic_windows >= 0.0;
     refuted(a).cmp(&refuted(b)).then(a.bic.total_cmp(&b.bic))

@@ -18,8 +18,8 @@ use crate::model::Model;
 
 impl Search<'_> {
     /// Refits the candidates at the places `wanted`, with their criterion by the windows and their size: the first of
-    /// them to the end, the others until their steps gain little beside it, and to the end where they come near the
-    /// best. Those whose parameters leave their limits have no refit.
+    /// them to convergence, the others until their steps gain little compared with it, and to convergence if they
+    /// come near the best. Those whose parameters leave their limits have no refit.
     pub(super) fn refit_all(
         &self,
         present: &WindowFit,
@@ -79,9 +79,9 @@ impl Search<'_> {
         if !candidate.is_shift() {
             return 0.0;
         }
-        let first = fit.p.len() - candidate.p.len();
-        let beyond = (fit.p[first] - self.scale.logging).max(0.0);
-        let variance = fit.covariance[(first, first)];
+        let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
+        let beyond = (fit.p[j] - self.scale.logging).max(0.0);
+        let variance = fit.covariance[(j, j)];
         if variance > 0.0 { beyond.powi(2) / variance } else { 0.0 }
     }
 
@@ -98,8 +98,8 @@ impl Search<'_> {
         let before = if shift { self.untimed(present) } else { present.clone() };
         let model = before.model.add_effect(candidate.effect.clone()).ok()?;
         let mut starts: Vec<Vec<f64>> = vec![self.start(&before, candidate, &r.estimate)];
-        // a shape may not lead to another, and a simulation may hang on sticking where the balance of the
-        // torques does not
+        // a descent may not leave its initial shape, and a simulation may stick at rest where the torque
+        // balance does not
         let several = shift || candidate.effect.several_starts();
         for shape in r.shapes.iter().filter(|_| several) {
             let none = if shift { vec![] } else { vec![0.0; shape.columns()] };
@@ -113,7 +113,7 @@ impl Search<'_> {
             let Some((p, own)) = by_torque.and_then(|b| b.start(shape)) else { continue };
             starts.push(self.start(&WindowFit { p, ..before.clone() }, shape, &own));
         }
-        // from the lower of two starts into the one valley that there is
+        // a single minimum: start from the better of two initial values
         let followed = if several && !model.is_coupled() { THRESHOLDS.followed } else { 1 };
         let starts = self.lowest(&model, starts, followed);
         let fits: Vec<WindowFit> = starts
@@ -178,7 +178,8 @@ impl Search<'_> {
         order.into_iter().map(|n| starts[n].clone()).collect()
     }
 
-    /// The fit with the input where it was recorded: a shift explains all of the time, or none.
+    /// The fit with the input at its recorded time: a lag or delay explains all of the shift, or
+    /// none.
     pub(super) fn untimed(&self, present: &WindowFit) -> WindowFit {
         let recorded = -self.corrected;
         let Ok(j) = present.model.index_of(SYMBOL) else { return present.clone() };
@@ -196,7 +197,8 @@ impl Search<'_> {
     ) -> Vec<f64> {
         let mut own = candidate.p.clone();
         if candidate.is_shift() {
-            own[0] = estimate.first().copied().unwrap_or(own[0]).max(self.scale.logging);
+            let time = &mut own[candidate.effect.time()];
+            *time = estimate.first().copied().unwrap_or(*time).max(self.scale.logging);
         } else {
             for (value, &j) in estimate.iter().zip(&candidate.linear) {
                 own[j] = *value;
@@ -205,8 +207,8 @@ impl Search<'_> {
         present.p.iter().copied().chain(own).collect()
     }
 
-    /// Whether the parameters of the candidate lie within their limits: at the edge of a shape an effect is
-    /// another one, and a shift of less than logging explains is timing.
+    /// Whether the parameters of the candidate lie within their limits: at the bound of a shape an effect
+    /// degenerates to another one, and a shift of less than logging explains is timing.
     fn valid(&self, candidate: &Candidate, fit: &WindowFit) -> bool {
         let first = fit.p.len() - candidate.p.len();
         let specs = candidate.effect.parameters();
@@ -219,12 +221,14 @@ impl Search<'_> {
             inside && candidate.effect.is_itself(&fit.p[first..], &errors, fit.model.robot());
         let some = candidate.linear.is_empty()
             || candidate.linear.iter().any(|&j| !fit.at_bound[first + j]);
-        let error = fit.covariance[(first, first)].sqrt();
-        let beyond = fit.p[first] - self.scale.logging;
-        let late = !candidate.is_shift()
-            || beyond > THRESHOLDS.uncertain * error
-                && beyond > THRESHOLDS.least_shift * self.scale.step;
-        inside && some && late
+        inside && some && (!candidate.is_shift() || self.is_late(candidate, fit))
+    }
+
+    /// Whether the time of a shift significantly exceeds what logging explains.
+    fn is_late(&self, candidate: &Candidate, fit: &WindowFit) -> bool {
+        let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
+        let (beyond, error) = (fit.p[j] - self.scale.logging, fit.covariance[(j, j)].sqrt());
+        beyond > THRESHOLDS.uncertain * error && beyond > THRESHOLDS.least_shift * self.scale.step
     }
 }
 

@@ -10,8 +10,8 @@ use crate::diagnose::outcome::Ranked;
 use crate::math::distribution::t_survival;
 
 impl Search<'_> {
-    /// Orders the shifts of the input among each other, where one of them comes first: their criterion becomes that
-    /// of the lowest and what [`evidence`] says against each.
+    /// Re-ranks lags and delays if one of them is first: the criterion of each becomes the lowest one plus its
+    /// [`evidence`] against the best.
     ///
     /// The windows' error does not distinguish a lag from a delay of the same length: they differ in the second order, and
     /// a lag smooths the noise of the recorded input, which lowers its error whether the robot has one or not.
@@ -45,12 +45,12 @@ impl Search<'_> {
     /// ```text
     /// t = (T - T_l)/se,   T_l: what logging explains,   m - p degrees of freedom: windows, free parameters
     /// ```
-    /// A reduction of the error would only require more than half of the fitted shift: a window whose error is least
-    /// there has the same error without the shift and with all of it.
+    /// A reduction of the error would only require a true shift of more than half of the fitted one: at exactly
+    /// half, the errors with and without the shift are equal.
     pub(super) fn probability_of_logging(&self, after: &WindowFit) -> f64 {
         let Some(held) = &self.held else { return 1.0 };
         let Some(e) = shifts(&after.model).next_back() else { return 1.0 };
-        let j = after.model.slots(e).start;
+        let j = after.model.slots(e).start + after.model.effects()[e].time();
         let Some(own) = fit(held, &after.model, &after.p, &self.scale) else { return 1.0 };
         let degrees = held.windows.len() as f64 - after.model.free().len() as f64;
         let t = (own.p[j] - self.scale.logging) / own.covariance[(j, j)].sqrt();

@@ -1,5 +1,5 @@
-//! Recordings whose angles start anew: the robot was put down at another heading, its counters set to zero at
-//! another place of the wheels. A torque that repeats with such an angle has another phase in each.
+//! Recordings with different initial angles: the robot was placed at another heading, or its counters were
+//! reset at another wheel angle. A torque that is periodic in such an angle has another phase in each.
 
 use nalgebra::DVector;
 
@@ -144,8 +144,8 @@ fn added(present: &WindowFit, candidate: &Candidate, found: &Aligned) -> Option<
 }
 
 impl Search<'_> {
-    /// The candidate whose waves with phases of their own explain the most, with the fit beside which they do:
-    /// effects that explain more are added first. `None` where the waves of no candidate need phases.
+    /// The candidate whose waves with separate phases explain the most, with the fit that they are added to:
+    /// effects that explain more are added first. `None` if no candidate needs separate phases.
     fn waves(&self, base: WindowFit) -> Option<(WindowFit, Candidate, Aligned)> {
         let mut present = base;
         for round in 0..=self.settings.max_effects {
@@ -184,8 +184,8 @@ impl Search<'_> {
         cost > 0.5 * THRESHOLDS.above_floor.powi(2) * self.windows.values() as f64
     }
 
-    /// Every candidate with waves, shape by shape, with phases. Orders of which many are tried are levelled as in
-    /// [`Search::level_grids`].
+    /// Every candidate with waves, shape by shape, with phases. Ratios of effects with many orders are divided by
+    /// their median as in [`Search::level_grids`].
     fn phased<'c>(&self, look: &Look, all: &'c [Candidate]) -> Vec<Phased<'c>> {
         let mut buffer = Buffers::default();
         let mut out: Vec<Phased> = Vec::new();

@@ -13,7 +13,7 @@ use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
 use crate::effects::{Change, ParameterKind};
 
-/// A fit on recordings that nothing was fitted to.
+/// A fit evaluated on held-out recordings.
 struct HeldOut<'a> {
     fit: &'a WindowFit,
     /// The errors of the windows, where they can be simulated.
@@ -113,7 +113,7 @@ impl Search<'_> {
     /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
     /// the reported error.
     pub(super) fn proven(&self, base: &WindowFit, tried: &[(Ranked, Vec<String>)]) -> Vec<Step> {
-        // the held-out errors of the base alone, which cost fits, prove nothing
+        // without a step no held-out errors of the base, which require fits, are needed
         if tried.is_empty() {
             return vec![];
         }
@@ -147,9 +147,10 @@ impl Search<'_> {
         run.to_vec()
     }
 
-    /// Steps of which the last moves the input in time, with that one before the others' last, if this order proves
-    /// them. Time comes first: a delay is tried only where its own interval proves it, acts in the few windows in
-    /// which the input changes, and is not proven by the mean over all behind an effect that acts in each.
+    /// Steps whose last one is a lag or delay, with that one placed before the last of the others, if they are
+    /// proven in this order. A delay acts only in the few windows in which the input changes, so that the mean over
+    /// all windows does not prove it after an effect that acts in each; it is tried only if its own interval proves
+    /// it.
     fn with_shift_before(&self, base: &WindowFit, steps: &[Step]) -> Option<Vec<Step>> {
         let mut order = steps.to_vec();
         let last = order.len().checked_sub(1)?;
@@ -189,9 +190,9 @@ impl Search<'_> {
         steps
     }
 
-    /// Replaces effects, each place once, by others of their step that lower the criterion: of several effects
-    /// that are missing the first that is taken explains some of the others too, and its place may belong to
-    /// another. What comes out must be proven as the steps before were, and not raise the error that is shown.
+    /// Replaces each effect at most once by another of its step that lowers the criterion: if several effects
+    /// are missing, the first one added also explains a part of the others and may be a wrong one. The result
+    /// must be proven like the steps before, and must not raise the reported error.
     ///
     /// Source: sequential replacement, Miller, Subset Selection in Regression (2002), section 3.3.
     pub(super) fn exchanged(
@@ -272,8 +273,9 @@ impl Search<'_> {
     /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
     /// ```
     /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
-    /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few windows
-    /// in which the input changes: it must only exceed the least share, and nothing if the error is then at the floor.
+    /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few
+    /// windows in which the input changes: it must only exceed the smallest share, without a limit if the error is
+    /// then at the floor.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
@@ -287,9 +289,9 @@ impl Search<'_> {
             };
             let share = 1.0 - (after / before).powi(2);
             let enough = match is_later(fit, next) {
-                // what the sampling leaves open of a time is half a row, which a shift exceeds
+                // sampling leaves a time uncertain by half a row, which a shift exceeds
                 true => share >= THRESHOLDS.least_fall || !self.is_unexplained(next),
-                // an error that was infinite may fall to any other
+                // from an infinite error any finite one is a decrease
                 false => before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2),
             };
             after <= before && enough
@@ -311,7 +313,7 @@ impl Search<'_> {
     }
 }
 
-/// How many effects of a fit may take the place of the input between its rows.
+/// How many effects of a fit may compensate for the unknown input between its rows.
 fn between_rows(fit: &WindowFit) -> usize {
     fit.model.effects().iter().filter(|effect| effect.change().acts_between_rows()).count()
 }

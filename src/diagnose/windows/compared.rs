@@ -56,7 +56,7 @@ impl<'a> Compared<'a> {
 /// Variance of the speeds that are compared [rad^2/s^2], of a wheel `i`: that of the speed channel, or of the
 /// difference of two angles over an interval between new ones.
 pub(super) fn variance(recording: &Recording, i: usize) -> f64 {
-    let noise = recording.noise();
+    let noise = recording.motion_noise();
     if recording.measured().omega {
         return noise.omega[i].powi(2);
     }

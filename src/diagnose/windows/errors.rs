@@ -14,12 +14,13 @@ use crate::simulate::{Input, simulate_windows};
 pub struct Errors {
     /// Measured less simulated wheel speeds [rad/s].
     pub error: Vec<[f64; 2]>,
-    /// Rows until each wheel comes to rest in the simulation: until there an error of the start lasts.
+    /// Rows until each wheel comes to rest in the simulation, up to which an error of the initial
+    /// state persists.
     pub moving: [usize; 2],
 }
 
 impl Errors {
-    /// Mean square by which the simulated speeds of two models differ, a wheel [rad^2/s^2].
+    /// Mean square difference of the simulated speeds of two models, by wheel [rad^2/s^2].
     pub(super) fn apart(&self, other: &Self) -> [f64; 2] {
         let pairs = self.error.iter().zip(&other.error);
         self.mean_of(pairs.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]))
@@ -42,13 +43,13 @@ fn rows_until_rest(states: &[State], wheel: usize) -> usize {
 }
 
 impl Windows<'_> {
-    /// Errors of a model in every window: measured less simulated speed, one row a sample; `None` where
+    /// Errors of a model in every window: measured less simulated speed, one row per sample; `None` where
     /// the model cannot move or diverges.
     #[must_use]
     pub fn errors(&self, model: &Model, p: &[f64]) -> Option<Vec<Errors>> {
         let acting: Vec<_> =
             self.recordings.par_iter().map(|r| model.input_of(r, r.torque(), p)).collect();
-        // without a second body nothing before a window matters to it
+        // without a second body a window does not depend on the rows before it
         let coupled = model.is_coupled();
         let place = |w: &Window| {
             (w.recording, self.recordings[w.recording].piece_of(w.rows.start).map(|p| p.start))
@@ -91,13 +92,13 @@ impl Windows<'_> {
         Some(self.squares_of(&self.errors(model, p)?))
     }
 
-    /// [`Windows::squares`] of errors that are known.
+    /// [`Windows::squares`] of given errors.
     pub(in crate::diagnose) fn squares_of(&self, errors: &[Errors]) -> Vec<f64> {
         self.windows.iter().zip(errors).map(|(w, e)| self.square(w, e)).collect()
     }
 
-    /// How well each window distinguishes two models by the errors they leave: `D/(D + n)`, with D the sum of squares
-    /// by which their simulated speeds differ, in variances of the error, and n the number of values.
+    /// How well each window distinguishes two models: `D/(D + n)`, with D the sum of squared differences of their
+    /// simulated speeds in variances of the error, and n the number of values.
     pub(in crate::diagnose) fn contrast(&self, one: &[Errors], other: &[Errors]) -> Vec<f64> {
         let of = |((window, a), b): ((&Window, &Errors), &Errors)| {
             let (mut apart, mut count) = (0.0, 0.0);
@@ -130,8 +131,8 @@ impl Windows<'_> {
         total
     }
 
-    /// `Σ e²/S` of every window with the errors made independent of each other: noise of the input goes into a speed
-    /// as into a random walk, and what a filter of one level knew before is taken out.
+    /// `Σ e²/S` of every window with whitened errors: noise of the input makes the error of a speed a random walk,
+    /// whose prediction by a local-level filter is subtracted.
     ///
     /// ```text
     /// P += q Δt,   S = P + s²,   e = error - level,   level += P e/S,   P = P s²/S

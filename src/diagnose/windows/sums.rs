@@ -41,8 +41,8 @@ pub(in crate::diagnose) fn quadratic_of(sums: &[Sums], columns: usize) -> Option
     cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
 }
 
-/// Sums over the rows of a window, with and without the constant that its start may be off by: the rows of each wheel,
-/// which are multiplied at once.
+/// Sums over the rows of a window, with and without the constant by which its initial speed may be wrong: the rows of
+/// each wheel, which are multiplied at once.
 pub(super) struct Accumulator {
     columns: usize,
     width: usize,

@@ -8,7 +8,7 @@ use crate::robot::State;
 /// Length of a window \[s\]: long enough for friction and viscous effects, short enough that noise of the
 /// input does not dominate; the acceptance test uses the same.
 pub(super) const WINDOW: f64 = 1.0;
-/// Fewest rows of a window.
+/// Smallest number of rows of a window.
 const FEWEST: usize = 5;
 
 /// One window of a recording.
@@ -22,7 +22,7 @@ pub struct Window {
     pub start: State,
     /// Variance of its speeds [rad^2/s^2].
     pub(super) variance: [f64; 2],
-    /// Factor on the weight of each wheel, one where the input between the rows does little.
+    /// Factor on the weight of each wheel, one if the input between the rows has little effect.
     pub(super) share: [f64; 2],
 }
 

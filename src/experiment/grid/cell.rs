@@ -142,12 +142,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
     let plan = match resolve_cell(grid, cell) {
         Ok(plan) => plan,
         // without the file name, which may differ between machines
-        Err(e) => {
-            let file = format!("{}: ", grid.path.display());
-            let reason = e.to_string();
-            let reason = reason.strip_prefix(&file).unwrap_or(&reason);
-            return Cell { rows: failed(reason.into()), ..out };
-        }
+        Err(e) => return Cell { rows: failed(e.without_file()), ..out },
     };
     let comparison = match compare(&plan, &fits(&plan)) {
         Ok(comparison) => comparison,

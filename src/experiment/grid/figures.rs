@@ -54,11 +54,10 @@ const QUANTITIES: [Quantity; 3] = [
     Quantity {
         id: "grid_efficiency",
         title: "Efficiency of the estimates",
-        how_to_read: "The variance that nothing unbiased can beat (as prediction_error claims it) \
-                      over the mean squared error. A method at 1 is efficient; at \
-                      0.25 it needs four times the data. The grey band holds 95 % of the values \
-                      that an efficient method shows by chance.",
-        caption: "Smallest variance possible over mean squared error; 1 is the best that can be.",
+        how_to_read: "Cramér-Rao bound (variance reported by prediction_error) divided by the mean squared \
+                      error. A method at 1 is efficient; at 0.25 it needs four times the data. The grey \
+                      band contains 95 % of the values of an efficient method.",
+        caption: "Smallest possible variance divided by the mean squared error; 1 is optimal for an unbiased estimator.",
         value: |s| s.efficiency,
         interval: None,
         axis: |_| Axis::log("bound / mean squared error", ""),

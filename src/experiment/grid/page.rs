@@ -78,8 +78,8 @@ pub(super) fn render(
 fn caution(cells: &[GridCell]) -> Option<Block> {
     let on = judged_on(cells);
     let sentence = format!("The 2 s simulation errors are{on}, which the models were fitted to.");
-    let detail = "A model with enough parameters follows its training data, right or wrong. Name recordings, or of \
-                  simulated ones how many there are, under validation.";
+    let detail = "With enough parameters even a wrong model fits its training data. List held-out \
+                  recordings under `validation` (for simulated data, their number).";
     (!on.is_empty()).then(|| Block::verdict(Tone::Notice, sentence, detail))
 }
 
@@ -88,11 +88,12 @@ const MOST_OPEN: usize = 60;
 /// Largest number of rows of a table: larger pages open too slowly.
 const MOST_ROWS: usize = 1000;
 
-const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is \
-     about the true value. Coverage near 95 % means that the standard errors are right. Efficiency is \
-     the mean variance reported by prediction_error in the same cells (a proxy of the Cramér-Rao \
-     bound; the smallest reported variance where that method does not run) over the mean square \
-     error: near 1 nothing is left to gain, and above 1 only by chance or by a claim too large.";
+const TABLE_WORDS: &str = "n estimates enter the means; failures are cells without a fit. RMSE is about \
+                           the true value. Coverage near 95 % means that the standard errors are right. \
+                           Efficiency is the mean variance reported by prediction_error in the same cells \
+                           (a proxy of the Cramér-Rao bound; the smallest reported variance where that \
+                           method does not run) over the mean square error: a value near 1 is optimal; \
+                           values above 1 are due to chance or to standard errors that are too large.";
 
 /// A coverage with its 95 % interval; for few repetitions only the interval.
 fn coverage(s: &Summary) -> Cell {
@@ -145,10 +146,11 @@ type Count = (&'static str, fn(&Summary) -> usize);
 
 /// Number of estimates, and of missing ones if there are any.
 fn counts(summaries: &[Summary]) -> Vec<Count> {
-    let all: [Count; 3] =
-        [("n", |s| s.n), ("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
-    let says = |(title, of): &Count| *title == "n" || summaries.iter().any(|s| of(s) > 0);
-    all.into_iter().filter(says).collect()
+    let missing: [Count; 2] =
+        [("Failures", |s| s.failures), ("Not identifiable", |s| s.unidentifiable)];
+    let occurs = |(_, of): &Count| summaries.iter().any(|s| of(s) > 0);
+    let estimates: Count = ("n", |s| s.n);
+    std::iter::once(estimates).chain(missing.into_iter().filter(occurs)).collect()
 }
 
 fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
@@ -157,7 +159,7 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     columns.extend([Column::text("Method"), Column::text("Parameter"), Column::text("Unit")]);
     let counts = counts(summaries);
     columns.extend(counts.iter().map(|(title, _)| Column::number(*title, "")));
-    columns.extend(["True value", "Bias", "RMSE", "Claimed error"].map(|t| Column::number(t, "")));
+    columns.extend(["True value", "Bias", "RMSE", "Standard error"].map(|t| Column::number(t, "")));
     columns.extend([Column::number("Coverage", ""), Column::number("Efficiency", "")]);
     columns.extend(["2 s simulation error", "Noise floor"].map(|t| Column::number(t, "rad/s")));
     let lead = if summaries.len() > MOST_ROWS {
@@ -165,7 +167,8 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
     } else {
         "Every combination, method and parameter.".to_owned()
     };
-    let caption = format!("{lead} Bias, RMSE and claimed error in the unit of the parameter.");
+    let caption =
+        format!("{lead} Bias, RMSE and reported standard error in the unit of the parameter.");
     // a hundred repetitions determine an error to 7 %, so three digits are sufficient
     let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
     let mut table = Table::new(caption, columns);

@@ -126,7 +126,7 @@ mod tests {
             let right = g.columns.iter().find(|c| c.key == "dalpha1").unwrap();
             let expected = if second == 2.1 { "omega_2" } else { "omega_1" };
             assert_eq!(right.name, expected);
-            assert!(!g.questions.iter().any(|q| q.contains("is the right wheel")));
+            assert!(!g.questions.iter().any(|q| q.text.contains("is the right wheel")));
         }
     }
 }

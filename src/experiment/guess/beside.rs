@@ -29,7 +29,8 @@ pub(super) fn is_output(named: &Named) -> bool {
     named.quantity.is_none() && has_side && says && named.rest.iter().all(is_one)
 }
 
-/// Takes outputs of controllers for inputs of the motors where both wheels have one and nothing else is their input.
+/// Interprets outputs of controllers as inputs of the motors if both wheels have one and no other column is their
+/// input.
 fn outputs(all: &mut [Candidate]) {
     let is_input = |c: &Candidate| {
         matches!(c.named.quantity, Some(Quantity::Torque | Quantity::Current | Quantity::Voltage))
@@ -67,7 +68,7 @@ fn controller_terms(all: &mut [Candidate]) {
     forget(all, &terms);
 }
 
-/// Makes columns those of no quantity.
+/// Removes the quantity of columns.
 fn forget(all: &mut [Candidate], flags: &[bool]) {
     all.iter_mut().zip(flags).filter(|(_, flag)| **flag).for_each(|(c, _)| c.named.quantity = None);
 }

@@ -10,7 +10,7 @@ const MIDDLES: [f64; 8] = [127.0, 127.5, 128.0, 511.0, 511.5, 512.0, 2047.0, 204
 /// Part of the rows in which such a command is at rest.
 const RESTS: f64 = 0.03;
 
-/// The middle at which all of these inputs begin, at which they rest, and which they leave both ways.
+/// The middle at which all of these inputs begin and rest, and which they leave in both directions.
 pub(super) fn centre(columns: &[PreviewColumn], inputs: &[&mut Guessed]) -> Option<f64> {
     let mut found = inputs.iter().map(|one| middle(values_of(columns, &one.name)));
     let first = found.next()??;
@@ -23,7 +23,7 @@ pub(super) fn are_centred(columns: &[PreviewColumn], pair: &[Guessed; 2]) -> boo
     a.is_some() && a == b
 }
 
-/// Takes the middle for zero.
+/// Sets the middle to zero by an offset.
 pub(super) fn shift(inputs: &mut [&mut Guessed], centre: f64) {
     for one in inputs {
         one.offset = Some(-centre);

@@ -9,12 +9,12 @@ use crate::io::part_of_second;
 const HALF: f64 = 0.5;
 /// Part of the steps of whole seconds at which their fraction falls back: others are gaps in the log.
 const FALLS: f64 = 0.9;
-/// Words of a name that is rather that of a position than of the time, where it has no others.
+/// Words that denote a position rather than the time if the name has no others.
 const PLACES: [&str; 8] = ["x", "y", "z", "pos", "position", "dist", "distance", "odom"];
 
 /// The time: the best name whose values increase, else two columns that are seconds and a part of a second, else the
 /// sum of the steps between the rows, else the one column that always increases. A column that counts the rows is not
-/// their time, and a position may be none, which is asked for.
+/// their time; a name that may be a position is asked about.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
     let parted = seconds_and_part(all);
     let is_part = |one: &Guessed| {
@@ -43,7 +43,7 @@ fn guessed(c: &Candidate) -> Guessed {
 /// come before all others, so that the stamp of the message comes before that of its arrival.
 fn named(all: &[Candidate]) -> Option<Guessed> {
     let rises = |c: &&Candidate| increases(&c.column.values);
-    // a time in words that are not read is none
+    // a time as text that cannot be read is not used
     let holds = |c: &&Candidate| c.column.values.iter().any(|v| v.is_finite());
     let is_time = |c: &&Candidate| c.named.quantity == Some(Quantity::Time);
     let mut named: Vec<&Candidate> = all.iter().filter(is_time).filter(holds).collect();
@@ -62,14 +62,14 @@ fn named(all: &[Candidate]) -> Option<Guessed> {
     Some(if falls(&best.column.values) { counted_down(out) } else { out })
 }
 
-/// Whether values never rise, and do fall.
+/// Whether values decrease and never increase.
 fn falls(values: &[f64]) -> bool {
     let mut held = values.iter().filter(|v| v.is_finite());
     let (first, last) = (held.next(), held.next_back());
     first > last && values.windows(2).all(|w| !(w[1] > w[0]))
 }
 
-/// A time that is left, as that of a match.
+/// A remaining time, for example of a match.
 fn counted_down(time: Guessed) -> Guessed {
     let why = "it falls: a countdown, turned round";
     Guessed { scale: Some(-1.0), evidence: vec![why.into()], ..time }
@@ -109,7 +109,7 @@ fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
 
 /// The column that increases from row to row; a row counter only if there is no other.
 fn rising(all: &[Candidate]) -> Option<Guessed> {
-    // counts of a wheel that turns one way rise as well
+    // counts of a wheel that turns in one direction increase as well
     let rising =
         |c: &&Candidate| increases(&c.column.values) && !c.named.step && c.named.quantity.is_none();
     let (rows, times): (Vec<&Candidate>, Vec<&Candidate>) =

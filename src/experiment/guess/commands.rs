@@ -18,9 +18,9 @@ const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0,
 const PWM: f64 = 255.0;
 /// Pulse width of a servo, and its neutral value [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
-/// Less is rather a PWM value than a voltage in millivolts.
+/// Smaller values are PWM values rather than voltages in millivolts.
 const LEAST_MILLIVOLTS: f64 = 1000.0;
-/// Most volts of the batteries of small robots \[V\]: beyond, numbers are as likely percent.
+/// Largest battery voltage of small robots \[V\]; larger numbers may be percent.
 const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
@@ -35,7 +35,7 @@ pub(super) fn look(
     let of = |name: &str| values_of(columns, name);
     if guess.drive_unit == DriveUnit::NewtonMetre {
         let asked = battery.and_then(|(battery, _)| effort(columns, battery, guess));
-        guess.questions.extend(asked);
+        guess.ask_all(asked);
     }
     if guess.drive_unit != DriveUnit::Volt {
         return;
@@ -48,7 +48,7 @@ pub(super) fn look(
     };
     if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
         let asked = millivolts(&mut inputs, of);
-        guess.questions.extend(asked);
+        guess.ask_all(asked);
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
@@ -90,17 +90,17 @@ pub(super) fn look(
             let milli = if factor == 1.0 { "" } else { ", which is in mV" };
             one.evidence.push(format!("{full} is the full battery voltage{milli}"));
         }
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             column.name,
             volts_of(column, factor)
         ));
     } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` reaches {reaches}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2"
         ));
     } else {
-        guess.questions.push(format!(
+        guess.ask(format!(
             "`{name}` is a share of the battery voltage{}: with {full} for the full 12 V write \
              scale = {:.5}{} in M1 and M2; otherwise one volt of the results is one unit of the command",
             if rest.is_some() { String::new() } else { format!(" and reaches {reaches}") },
@@ -129,7 +129,7 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
     ))
 }
 
-/// The battery of several columns whose names may be its own: the first with values of one.
+/// The battery among columns whose names may denote it: the first with plausible values.
 pub(super) fn battery<'a>(
     found: &[(&'a PreviewColumn, Option<&'static str>)],
 ) -> Option<(&'a PreviewColumn, Option<&'static str>)> {
@@ -186,7 +186,7 @@ pub(super) fn is_percent(name: &str) -> bool {
     ["percent", "pct"].iter().any(|word| name.contains(word))
 }
 
-/// The smallest full scale of controllers that holds the value, but for PWM that of most boards.
+/// The smallest full scale of controllers that contains the value; for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
     if (is_percent(name) || name.contains('%')) && top <= 100.0 {
         return 100.0;
@@ -204,7 +204,8 @@ fn volts_of(column: &PreviewColumn, factor: f64) -> String {
     format!("{low:.1} to {high:.1} V")
 }
 
-/// Factor from the battery's column to volts, where its values are those of a battery, which no load halves.
+/// Factor from the column of the battery to volts, if its values are plausible for a battery: no load halves
+/// its voltage.
 fn to_volts(column: &PreviewColumn, unit: Option<&str>) -> Option<f64> {
     let top = largest(&column.values);
     let low = column.values.iter().copied().filter(|v| v.is_finite()).fold(top, f64::min);

@@ -5,13 +5,13 @@ use super::speed_units::is_unknown;
 use super::values::{COUNTED, largest, row_step, seconds, values_of, whole};
 use crate::io::PreviewColumn;
 
-/// Whether a column holds whole numbers, and many: counts of an encoder.
+/// Whether a column contains many different whole numbers: counts of an encoder.
 pub(super) fn are(columns: &[PreviewColumn], one: &Guessed) -> bool {
     let values = values_of(columns, &one.name);
     whole(values) && largest(values) > COUNTED
 }
 
-/// Counts per turn, from speeds in a known unit, or from the unit in which the counts are those of a usual
+/// Counts per turn, from speeds in a known unit, or from the unit that gives the counts of a usual
 /// encoder, else a question. Speeds that are the slope or the steps of the counts are in counts as well.
 pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
     let known: Vec<Guessed> = guess.columns.clone();
@@ -54,27 +54,26 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
         }
         if !asked {
             asked = true;
-            guess.questions.push(
+            guess.ask(
                 "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
-                 per_turn"
-                    .into(),
+                 per_turn",
             );
         }
     }
 }
 
-/// Counts a turn that encoders have.
+/// Counts per turn of usual encoders.
 const COUNTS: std::ops::Range<f64> = 4.0..1e7;
 /// Part by which the slope of a counter and its speed may differ.
 const ALIKE: f64 = 0.02;
 
 /// Unit of a speed that states none.
 const RADIANS: &str = "rad/s";
-/// Units of a speed, and how many of them are a turn a second.
+/// Units of a speed, and how many of them are one turn per second.
 const UNITS: [(&str, f64); 4] =
     [(RADIANS, std::f64::consts::TAU), ("rev/s", 1.0), ("rpm", 60.0), ("deg/s", 360.0)];
 
-/// Counts a turn by a speed whose unit is stated, of the wheel.
+/// Counts per turn of the wheel, from a speed whose unit is stated.
 fn stated(speed: &Guessed, ratio: f64) -> Option<(f64, &'static str)> {
     let unit = speed.unit.as_deref().filter(|_| !speed.is_electrical());
     let &(unit, by_turn) = UNITS.iter().find(|(name, _)| Some(*name) == unit)?;
@@ -87,7 +86,7 @@ fn unstated(ratio: f64) -> Option<(f64, &'static str)> {
     UNITS.iter().find_map(|(unit, by_turn)| Some((encoder(ratio * by_turn)?, *unit)))
 }
 
-/// Says that a speed is in counts where it is their slope, or their step from row to row of `row` seconds.
+/// Sets the unit of a speed to counts if it is their slope, or their increment per row of `row` seconds.
 fn in_counts(speed: &mut Guessed, ratio: f64, row: Option<f64>) {
     if (ratio - 1.0).abs() < ALIKE {
         speed.unit = Some("ticks/s".into());
@@ -111,11 +110,11 @@ fn counts_by_speed(t: &[f64], time: &Guessed, counts: &[f64], speed: &[f64]) -> 
             way += by.abs();
         }
     }
-    // counts enough for their steps to be small
+    // enough counts for a small quantisation error
     (passed.abs() > 100.0 && way > 0.0).then(|| (passed / way).abs())
 }
 
-/// A number of counts within half a percent that encoders have.
+/// The count of a usual encoder within half a percent.
 fn encoder(ratio: f64) -> Option<f64> {
     let powers = (3..24).map(|n| f64::from(1 << n));
     let tens = [100.0, 200.0, 360.0, 400.0, 500.0, 1000.0, 1440.0, 2000.0, 4000.0, 5000.0, 10000.0];

@@ -9,7 +9,7 @@ use crate::io::PreviewColumn;
 const DIRECTIONS: [&str; 6] = ["dir", "direction", "sign", "sgn", "richtung", "dirn"];
 const FORWARDS: [&str; 4] = ["fwd", "forward", "forwards", "vorwaerts"];
 const BACKWARDS: [&str; 6] = ["rev", "reverse", "reversed", "back", "backward", "backwards"];
-/// What cells hold for forward and for backward, in lower case.
+/// Cell contents for forward and for backward, in lower case.
 const AHEAD: [&str; 10] =
     ["f", "fwd", "forward", "forwards", "fw", "+", "pos", "v", "vor", "ahead"];
 const BACK: [&str; 13] = [
@@ -30,7 +30,7 @@ const BACK: [&str; 13] = [
 /// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
 
-/// A direction: its column, the wheel, and what it holds.
+/// A direction: its column, the wheel, and its values.
 struct Direction {
     name: String,
     side: Option<Side>,
@@ -57,7 +57,7 @@ impl Directions {
     fn beside(&self, one: &Guessed) -> Option<&Direction> {
         let own = named(&one.name);
         let common = |d: &&Direction| d.rest.iter().filter(|w| own.rest.contains(w)).count();
-        // of equals the one whose other words are fewest
+        // of equal ones that with the fewest other words
         let rank = |d: &&Direction| (common(d), std::cmp::Reverse(d.rest.len()));
         // that of one axis has no side
         let is_of = |d: &&Direction| {
@@ -101,7 +101,7 @@ impl Directions {
         }
         asked.dedup();
         if !asked.is_empty() {
-            guess.questions.push(format!(
+            guess.ask(format!(
                 "which value of {} is backward? Write it as backward, in quotes",
                 asked.join(" and of ")
             ));
@@ -110,7 +110,7 @@ impl Directions {
 }
 
 impl Direction {
-    /// Whether one of the words stands in its name.
+    /// Whether its name contains one of the words.
     fn has(&self, list: &[&str]) -> bool {
         self.rest.iter().any(|w| list.contains(&w.as_str()))
     }
@@ -124,8 +124,8 @@ impl Direction {
         }
     }
 
-    /// What stands for backward, where it is no negative number, and how that is known: by its words or its name, or as an
-    /// input drives its wheel.
+    /// The value for backward, if it is not a negative number, and the evidence: its words, its name, or the sign of
+    /// the work of the input.
     fn backward(&self, input: &[f64], speed: Option<&[f64]>) -> Option<(Option<String>, String)> {
         if !self.words.is_empty() {
             let is = |list: &[&str], word: &String| list.contains(&word.to_lowercase().as_str());
@@ -180,7 +180,7 @@ fn direction(column: &PreviewColumn) -> Option<Direction> {
     })
 }
 
-/// The values of a column in order, zero between the two signs left out; of many the first three.
+/// The values of a column in order, without a zero between the two signs; at most the first three.
 fn distinct(values: &[f64]) -> Vec<f64> {
     let mut out: Vec<f64> = vec![];
     for v in values.iter().filter(|v| v.is_finite()) {
@@ -245,7 +245,7 @@ mod tests {
         );
         let g = log(|t| t, &["X", "Y"]);
         assert!(
-            input(&g).backward_open && g.questions.join(" ").contains("`dirR` (X or Y)"),
+            input(&g).backward_open && g.asked().contains("`dirR` (X or Y)"),
             "{:?}",
             g.questions
         );

@@ -1,4 +1,4 @@
-//! Speeds of the motor's field, of controllers that call them rpm.
+//! Electrical speeds of controllers that log them as rpm.
 
 use super::guessed::{Guess, Guessed};
 use crate::io::PreviewColumn;
@@ -19,7 +19,7 @@ const VESC: [&str; 10] = [
 /// Number of these names by which the firmware is identified.
 const KNOWN_BY: usize = 2;
 
-/// The question for speeds in rpm that are those of VESC, whose factor is open then.
+/// The question on speeds in rpm of VESC, whose factor is then open.
 pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<String> {
     let plain = |name: &str| {
         let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
@@ -64,7 +64,11 @@ mod tests {
         let vesc = log(["rpm", "avg_motor_current", "duty_now"]);
         let speed = vesc.columns.iter().find(|c| c.key == "dalpha1").unwrap();
         assert!(speed.scale_open, "{speed:?}");
-        assert!(vesc.questions.iter().any(|q| q.contains("pole pairs")), "{:?}", vesc.questions);
+        assert!(
+            vesc.questions.iter().any(|q| q.text.contains("pole pairs")),
+            "{:?}",
+            vesc.questions
+        );
         let other = log(["rpm", "motor_current", "duty"]);
         assert!(other.columns.iter().all(|c| !c.scale_open), "{other:?}");
     }

@@ -26,7 +26,7 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) scale_open: bool,
     /// Whether it is a command that is a share of the battery's voltage.
     pub(in crate::experiment) is_share: bool,
-    /// Whether the values are steps, and what is meant is their sum.
+    /// Whether the values are increments that must be summed.
     pub(in crate::experiment) sum: bool,
     /// Added after the factor.
     pub(in crate::experiment) offset: Option<f64>,
@@ -47,6 +47,56 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) evidence: Vec<String>,
 }
 
+/// What a question is about, if its answer may be found later.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::experiment) enum About {
+    /// The unit of the column with this name.
+    Unit(String),
+    /// The time between the rows.
+    Period,
+    /// Anything else.
+    Other,
+}
+
+/// A question that only the user can answer.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::experiment) struct Question {
+    pub(in crate::experiment) about: About,
+    pub(in crate::experiment) text: String,
+}
+
+impl<T: Into<String>> From<T> for Question {
+    fn from(text: T) -> Self {
+        Self { about: About::Other, text: text.into() }
+    }
+}
+
+impl Guess {
+    /// Adds a question.
+    pub(in crate::experiment) fn ask(&mut self, question: impl Into<Question>) {
+        self.questions.push(question.into());
+    }
+
+    /// Adds questions.
+    pub(in crate::experiment) fn ask_all(
+        &mut self,
+        questions: impl IntoIterator<Item = impl Into<Question>>,
+    ) {
+        self.questions.extend(questions.into_iter().map(Into::into));
+    }
+
+    /// Removes the questions about this.
+    pub(in crate::experiment) fn answer(&mut self, about: &About) {
+        self.questions.retain(|question| question.about != *about);
+    }
+
+    /// The text of all questions, one per line.
+    #[cfg(test)]
+    pub(super) fn asked(&self) -> String {
+        self.questions.iter().map(|q| q.text.as_str()).collect::<Vec<_>>().join("\n")
+    }
+}
+
 /// The detected columns of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::experiment) struct Guess {
@@ -55,7 +105,7 @@ pub(in crate::experiment) struct Guess {
     /// Unit of the input.
     pub(in crate::experiment) drive_unit: DriveUnit,
     /// Questions that only the user can answer.
-    pub(in crate::experiment) questions: Vec<String>,
+    pub(in crate::experiment) questions: Vec<Question>,
     /// Whether one axis is used for both wheels.
     pub(in crate::experiment) one_axis: bool,
     /// Whether no column can be the time, so that the period is asked for.

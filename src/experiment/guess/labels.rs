@@ -69,13 +69,13 @@ mod tests {
     fn rows_of_several_motors_are_said() {
         let log = [column("motor", &["M1", "M2"]), column("pwm", &[]), column("speed", &[])];
         let g = guess(&log);
-        assert!(g.questions.join("\n").contains("`motor` names the motor of each row (M1, M2)"));
+        assert!(g.asked().contains("`motor` names the motor of each row (M1, M2)"));
         assert!(!g.one_axis && g.columns.is_empty(), "{:?}", g.columns);
         let numbers = PreviewColumn {
             values: (0..100).map(|k| f64::from(1 + k / 50)).collect(),
             ..column("motor_id", &[])
         };
         let g = guess(&[numbers, column("pwm", &[]), column("rpm", &[])]);
-        assert!(g.questions.join("\n").contains("`motor_id` names the motor of each row (1, 2)"));
+        assert!(g.asked().contains("`motor_id` names the motor of each row (1, 2)"));
     }
 }

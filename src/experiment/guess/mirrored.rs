@@ -18,14 +18,14 @@ const TURNING: [&str; 8] = [
     "turnrate",
     "gyroyaw",
 ];
-/// Correlation with the turning rate beyond which wheels show it, and by how much more than otherwise.
+/// Smallest correlation of the wheels with the turn rate, and smallest margin over the other sign.
 const SHOWN: f64 = 0.8;
 const CLEARER: f64 = 0.2;
 
-/// Part by which two speeds may differ and be the same, and of the rows in which they are (judgement).
+/// Relative difference of two equal speeds, and share of the rows with equal speeds (judgement).
 const SAME: f64 = 0.15;
 const OFTEN: f64 = 0.25;
-/// Rows of a block of which the noise is taken (taste).
+/// Rows per block for the noise (judgement).
 const BLOCK: usize = 36;
 
 /// Inverts a wheel that is mirrored according to a measured turn rate. Without one it asks, if the wheels nearly always
@@ -70,8 +70,8 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     let rows: Vec<[f64; 2]> = w1.iter().zip(&w2).map(|(a, b)| [*a, *b]).collect();
     let Some(share) = opposed(&rows) else { return };
     if !(drives(&input1, &w1) && drives(&input2, &w2) && mirror_each_other(&rows)) {
-        // one sign alone is turned, as conditioning shows; or the wheels move each in its own way
-        guess.questions.push(Remark::Opposed { share }.to_string());
+        // only one sign is wrong, which conditioning reports; or the two wheels move independently
+        guess.ask(Remark::Opposed { share }.to_string());
         return;
     }
     let mut scales = vec![];
@@ -80,7 +80,7 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
         one.scale_open = true;
         scales.push(format!("`{}` {:?} or {scale:?}", one.name, -scale));
     }
-    guess.questions.push(format!(
+    guess.ask(format!(
         "{} Write as scale, of a mirrored motor of the left wheel or of a turn on the spot: {} (of a mirrored right \
          motor as of a turn on the spot, and scale = -1.0 in the columns of the right wheel)",
         mirrored_question(share),
@@ -88,8 +88,9 @@ pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
     ));
 }
 
-/// Whether the speeds as logged differ by more than those of a robot that drives straight ahead. Such a robot veers a
-/// little, in proportion to its speed: its turning rate goes with the sum of the speeds though no wheel is mirrored.
+/// Whether the speeds as logged differ by more than those of a robot that drives straight ahead. Such a robot veers
+/// slightly, in proportion to its speed: its turn rate is correlated with the sum of the speeds although no wheel is
+/// mirrored.
 fn is_no_veer(w1: &[f64], w2: &[f64]) -> bool {
     let size = |sign: f64| {
         let sums: Vec<f64> =
@@ -102,8 +103,7 @@ fn is_no_veer(w1: &[f64], w2: &[f64]) -> bool {
     size(-1.0) > SAME * size(1.0)
 }
 
-/// Whether the wheels turn against each other at the same speed in many rows, as those of a robot that drives straight
-/// with a mirrored motor.
+/// Whether the wheels have opposite speeds in many rows, as on a straight run with a mirrored motor.
 fn mirror_each_other(rows: &[[f64; 2]]) -> bool {
     let top = rows
         .iter()
@@ -133,7 +133,7 @@ fn is_turning(name: &str) -> bool {
     TURNING.iter().any(|word| bare.contains(word)) || ["gz", "wz"].contains(&bare.as_str())
 }
 
-/// Work of an input at its wheel, where both are known.
+/// Work of an input on its wheel, if both are recorded.
 fn work(input: &[f64], speed: &[f64]) -> f64 {
     input.iter().zip(speed).map(|(m, w)| m * w).filter(|x| x.is_finite()).sum()
 }
@@ -197,7 +197,7 @@ mod tests {
         assert!(log(-1.0, true).questions.is_empty());
         let open = [(None, false), (None, true)];
         assert_eq!(scales(&log(-1.0, false)), [open, open].concat());
-        let asked = log(-1.0, false).questions.join(" ");
+        let asked = log(-1.0, false).asked();
         assert!(asked.contains("mirrored") && asked.contains("`left_A` -1.0 or 1.0"), "{asked}");
         assert_eq!(scales(&log(1.0, false)), [(None, false); 4]);
     }

@@ -28,7 +28,7 @@ mod unknown_sides;
 mod values;
 
 use self::guessed::Candidate;
-pub(super) use self::guessed::{Guess, Guessed};
+pub(super) use self::guessed::{About, Guess, Guessed};
 use self::names::{Quantity, named};
 use self::pairs::Pairs;
 pub(super) use self::text::{Written, file_text};
@@ -48,7 +48,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         period: None,
     };
     out.columns.extend(clock::time(&all));
-    out.questions.extend(beside::look(&mut all));
+    out.ask_all(beside::look(&mut all));
     let owners = labels::owners(columns);
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
@@ -84,10 +84,11 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         }
     }
     let are_several = pairs.are_several;
-    out.questions.extend(pairs.questions.into_iter().chain(owners));
+    out.ask_all(pairs.questions.into_iter().chain(owners));
     let directions = directions::Directions::of(columns);
-    let input =
-        input(columns, inputs, [angles.as_ref(), speeds.as_ref()], &directions, &mut out.questions);
+    let mut asked = vec![];
+    let input = input(columns, inputs, [angles.as_ref(), speeds.as_ref()], &directions, &mut asked);
+    out.ask_all(asked);
     out.columns.extend(angles.into_iter().flatten());
     out.columns.extend(speeds.into_iter().flatten());
     if let Some((input, unit)) = input {
@@ -95,7 +96,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         out.columns.extend(input);
     }
     assigned::look(columns, &mut out);
-    out.questions.extend(which_is_right(&out.columns));
+    out.ask_all(which_is_right(&out.columns));
     motors::look(&all, columns, &mut out);
     let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
     let battery = commands::battery(&batteries.collect::<Vec<_>>());
@@ -105,7 +106,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     let input = open_inputs::question(columns, &out);
     values::questions(columns, &mut out, input);
     stated::look(&mut out);
-    out.questions.extend(signs::lost(&all, columns, &out));
+    out.ask_all(signs::lost(&all, columns, &out));
     commands::look(columns, battery, &mut out);
     let remark = labels::without_cells(columns);
     out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));
@@ -113,7 +114,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     signs::bounce(columns, &mut out);
     mirrored::look(columns, &mut out);
     if !are_several {
-        out.questions.extend(relations::hints(columns, &out));
+        out.ask_all(relations::hints(columns, &out));
     }
     out
 }

@@ -109,7 +109,7 @@ pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Gue
             ));
         }
     }
-    guess.questions.extend(questions);
+    guess.ask_all(questions);
 }
 
 /// Whether two columns differ by a small share of their size.
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(found(&g, "dalpha2").name, "front_left_joint.velocity");
         assert_eq!(found(&g, "M1").plus, ["rear_right_joint.effort"]);
         assert_eq!(found(&g, "M2").plus, ["rear_left_joint.effort"]);
-        let asks = |g: &Guess| g.questions.iter().any(|q| q.contains("do not turn alike"));
+        let asks = |g: &Guess| g.questions.iter().any(|q| q.text.contains("do not turn alike"));
         assert!(!asks(&g) && asks(&log(&|t| -speed(t))), "{:?}", g.questions);
     }
 

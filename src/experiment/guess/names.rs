@@ -88,7 +88,8 @@ pub(super) fn named(name: &str) -> Named {
 /// The unit of a frequency, without spaces, points and signs.
 const PER_SECOND: [&str; 6] = ["1/s", "1/sec", "s1", "s^1", "s⁻¹", "/s"];
 
-/// What `1/s` of a speed is: turns a second of a word for turns, rad/s of a word for an angular speed; open of any other.
+/// Unit of a speed in `1/s`: turns per second for a word for turns, rad/s for a word for an angular speed; open for
+/// any other.
 fn of_frequency(quantity: Option<Quantity>, word: &str) -> Option<&'static str> {
     match quantity {
         Some(Quantity::Speed) if TURNS.contains(&word) => Some("rev/s"),

@@ -1,4 +1,4 @@
-//! The question for the input where no column is one by its name, and few may be.
+//! The question on the input if no name denotes one and few columns are left.
 
 use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
@@ -62,7 +62,7 @@ fn shared(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     })
 }
 
-/// The only pair of columns whose names differ in the side alone and name no motion.
+/// The only pair of columns whose names differ only in the side and do not denote motion.
 fn pair(open: &[(&PreviewColumn, Named)]) -> Option<String> {
     let is_of = |n: &Named, side: Side| {
         n.side == Some(side)
@@ -98,7 +98,7 @@ mod tests {
             values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
             ..PreviewColumn::default()
         };
-        guess(&names.iter().map(column).collect::<Vec<_>>()).questions.join("\n")
+        guess(&names.iter().map(column).collect::<Vec<_>>()).asked()
     }
 
     #[test]

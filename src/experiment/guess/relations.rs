@@ -6,17 +6,18 @@ use crate::io::PreviewColumn;
 
 /// Largest number of columns that are compared in pairs.
 const MOST: usize = 40;
-/// Rows below which columns go with each other by chance, and sentences at most.
+/// Smallest number of rows, since columns of fewer are correlated by chance, and largest number of
+/// sentences.
 const ROWS: usize = 30;
 const SAID: usize = 3;
 /// Windows that a recording is cut into.
 const WINDOWS: usize = 200;
-/// Correlation over the windows that says "the slope of": an angle and its speed reach it unless noise or
-/// coarse steps are a tenth of the motion in a window.
+/// Smallest correlation over the windows for "the slope of": an angle and its speed reach it unless noise
+/// or coarse steps are a tenth of the motion in a window.
 const SAME: f64 = 0.99;
 
-/// Sentences on which open columns are the slope of which, where angles or speeds are still looked for: of those that fit
-/// one other alone, and not of recordings so short that many do.
+/// Sentences on open columns that are the slope of another one, if angles or speeds are not yet found; only for those
+/// that match exactly one, in recordings that are long enough.
 pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
     let known = |key: &str| guess.columns.iter().find(|c| c.key == key);
     let time = known("t").and_then(|t| columns.iter().find(|c| c.name == t.name));

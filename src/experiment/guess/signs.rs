@@ -57,7 +57,7 @@ pub(super) fn bounce(columns: &[PreviewColumn], guess: &mut Guess) {
     if bounces < BOUNCES {
         return;
     }
-    guess.questions.push(format!(
+    guess.ask(format!(
         "`{}` is never negative and {bounces} times rises from zero as steeply as it fell to zero: is it a magnitude? Write the column with the direction as sign, or record signed values; if the wheels only turned forward, remove sign",
         speeds[0]
     ));

@@ -7,7 +7,7 @@ use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, nam
 use super::values::{largest, seconds, values_of};
 use crate::io::PreviewColumn;
 
-/// Wheel speed beyond which a number is rather one of rpm [rad/s].
+/// Wheel speed above which a number is more likely in rpm [rad/s].
 const FAST: f64 = 120.0;
 /// Radius of the wheels with which candidates are compared \[m\].
 const RADIUS: f64 = 0.05;
@@ -51,15 +51,15 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     }
     let digits = if top < 10.0 { 3 } else { 0 };
     let ground = |by: f64| format!("{:.2}", RADIUS * by * top);
-    guess.questions.push(format!(
-        "{} up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
+    let question = first.unit_question(&format!(
+        "up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
          would go {} m/s as rad/s, {} as rpm, {} as deg/s, {} as rev/s)",
-        first.asks_unit(),
         ground(1.0),
         ground(TAU / 60.0),
         ground(PI / 180.0),
         ground(TAU)
     ));
+    guess.ask(question);
     let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
     speeds.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
@@ -74,9 +74,10 @@ fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static s
     })
 }
 
-/// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a position,
-/// where the speeds beside them do not show it, and of those that would turn faster than wheels do and are no joints. A speed without
-/// unit that is the slope of a position has the same unit a second, which nothing shows.
+/// Asks for the unit of angles whose names do not state it: of those under the general names of a sensor or a
+/// position, where the speeds beside them do not show it, and of those that would turn faster than wheels do and are
+/// no joints. A speed without unit that is the slope of a position has the same unit per second, which the data do
+/// not show.
 fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let of = |name: &str| values_of(columns, name);
     let speed = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix('d') == Some(key));
@@ -102,7 +103,7 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     let held = of(&first.name).iter().copied().filter(|v| v.is_finite());
     let (low, high) =
         held.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let range = format!("{} from {low:.2} to {high:.2}", first.asks_unit());
+    let range = format!("from {low:.2} to {high:.2}");
     let both = speed(first.key).filter(|w| is_slope(first) && !is_stated(w) && w.name != w.key);
     let question = match both {
         Some(w) => format!(
@@ -115,7 +116,8 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
         ),
     };
     let keys: &[&str] = if both.is_some() { &["alpha", "dalpha"] } else { &["alpha"] };
-    guess.questions.push(question);
+    let question = first.unit_question(&question);
+    guess.ask(question);
     let is_one = |c: &&mut Guessed| {
         keys.iter().any(|key| c.key.strip_prefix(key).is_some_and(|wheel| wheel.len() == 1))
     };
@@ -123,7 +125,8 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     angles.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// The speed in the unit of an angle a second that nearly all rows stay below: not the wraps of a counter.
+/// The speed, in the unit of the angle per second, that nearly all rows stay below; wraps of a counter are
+/// excluded.
 fn slope(columns: &[PreviewColumn], guess: &Guess, angle: &Guessed) -> Option<f64> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     let (t, a) = (values_of(columns, &time.name), values_of(columns, &angle.name));
@@ -171,7 +174,7 @@ fn agrees(columns: &[PreviewColumn], guess: &Guess, speed: &Guessed) -> bool {
     for k in 1..t.len().min(a.len()).min(w.len()) {
         let step = 0.5 * (w[k] + w[k - 1]) * (t[k] - t[k - 1]) * second;
         let turned = unit * (a[k] - a[k - 1]);
-        // a wrap is no motion
+        // a wrap is not motion
         if step.is_finite() && turned.is_finite() && turned.abs() < PI {
             passed += turned * step.signum();
             way += step.abs();

@@ -1,7 +1,7 @@
 //! Units that a header states and that are not known.
 
 use super::commands::is_percent;
-use super::guessed::{Guess, Guessed};
+use super::guessed::{About, Guess, Guessed};
 use crate::io::{ColumnMap, unknown_unit};
 use crate::recording::DriveUnit;
 
@@ -22,10 +22,14 @@ pub(super) fn look(guess: &mut Guess) {
         c.unit.is_none() && c.per_turn.is_none() && c.nanoseconds.is_none() && stated(c).is_some()
     };
     let mut questions = vec![];
-    // that of the factor is the one that stands
-    let answered: Vec<String> =
-        guess.columns.iter().filter(|c| is_unknown(c)).map(Guessed::asks_unit).collect();
-    guess.questions.retain(|question| !answered.iter().any(|asks| question.starts_with(asks)));
+    // the question for the factor replaces that for the unit
+    let unknown: Vec<About> = guess
+        .columns
+        .iter()
+        .filter(|c| is_unknown(c))
+        .map(|c| About::Unit(c.name.clone()))
+        .collect();
+    unknown.iter().for_each(|about| guess.answer(about));
     for one in guess.columns.iter_mut().filter(|c| is_unknown(c)) {
         let stated = stated(one).unwrap_or_default();
         let si = si(one.key, input);
@@ -40,7 +44,7 @@ pub(super) fn look(guess: &mut Guess) {
         (one.unit, one.scale) = (Some(si.into()), None);
         (one.scale_open, one.unit_open) = (true, false);
     }
-    guess.questions.extend(questions);
+    guess.ask_all(questions);
 }
 
 /// Reference values of a share.
@@ -78,7 +82,8 @@ mod tests {
             let g = guess(&log);
             let m1 = g.columns.iter().find(|c| c.key == "M1").unwrap();
             assert_eq!((m1.unit.as_deref(), m1.scale_open), (Some("N m"), true));
-            let asked = g.questions.iter().filter(|q| q.contains(&format!("is in {unit}"))).count();
+            let asked =
+                g.questions.iter().filter(|q| q.text.contains(&format!("is in {unit}"))).count();
             assert!(asked == 1 && g.columns.iter().all(|c| c.key != "dalpha1" || !c.scale_open));
         }
     }

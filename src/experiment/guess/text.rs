@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::guessed::{Guess, Guessed};
+use super::guessed::{About, Guess, Guessed, Question};
 use super::model_key::effects_of;
 use super::names::named;
 use crate::diagnose;
@@ -38,9 +38,10 @@ impl Guessed {
         self.name.to_lowercase().contains("erpm")
     }
 
-    /// How the question for its unit begins.
-    pub(in crate::experiment) fn asks_unit(&self) -> String {
-        format!("`{}` has values", self.name)
+    /// The question for its unit, which continues with the `values` and the choice of units.
+    pub(super) fn unit_question(&self, values: &str) -> Question {
+        let about = About::Unit(self.name.clone());
+        Question { about, text: format!("`{}` has values {values}", self.name) }
     }
 
     /// Whether lengths need the radius of the wheels.
@@ -82,7 +83,7 @@ impl Guess {
             );
         }
         for question in &self.questions {
-            let _ = writeln!(out, "  question: {question}");
+            let _ = writeln!(out, "  question: {}", question.text);
         }
         out
     }
@@ -194,7 +195,7 @@ fn questions(out: &mut String, w: &Written) {
     }
     out.push_str("#\n# Open questions:\n");
     for question in &w.guess.questions {
-        let _ = writeln!(out, "#   - {}", in_a_line(question));
+        let _ = writeln!(out, "#   - {}", in_a_line(&question.text));
     }
     let is_used = |c: &Guessed, name: &str| {
         let beside = [&c.nanoseconds, &c.times, &c.sign].map(Option::as_deref);

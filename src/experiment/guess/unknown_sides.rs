@@ -82,7 +82,7 @@ mod tests {
         };
         let g = of(&["rpm_vasen", "rpm_oikea", "amps_vasen", "amps_oikea"]);
         assert_eq!(g.columns[0].name, "rpm_oikea");
-        assert!(g.questions.join(" ").contains("is the right wheel that of `rpm_oikea`"));
+        assert!(g.asked().contains("is the right wheel that of `rpm_oikea`"));
         assert!(!g.one_axis);
         let g = of(&["rpm_raw", "rpm_filt", "amps_raw", "amps_filt"]);
         assert!(!g.columns.iter().any(|c| c.key == "dalpha1"), "{:?}", g.columns);

@@ -1,7 +1,7 @@
 //! Interpretation of the values of columns: time units, counts, milliamperes, and open questions.
 
 use super::electrical;
-use super::guessed::{Guess, Guessed};
+use super::guessed::{About, Guess, Guessed, Question};
 use super::model_key::effects_of;
 use super::names::named;
 use crate::io::PreviewColumn;
@@ -17,7 +17,7 @@ const STATED: f64 = 0.1;
 const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
-/// More than any motor of a small robot draws \[A\].
+/// Larger than the current of any motor of a small robot \[A\].
 const AMPERES: f64 = 200.0;
 
 /// What metres need.
@@ -67,10 +67,10 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
-/// Part of the way of a speed that is no turn back, but noise of a sensor at rest (judgement).
+/// Share of a speed range below which a sign change is noise of a sensor at rest (judgement).
 pub(super) const AT_REST: f64 = 0.05;
 
-/// The least and the largest of values, with zero among them.
+/// The smallest and the largest of the values and zero.
 pub(super) fn extent(values: &[f64]) -> (f64, f64) {
     let finite = values.iter().copied().filter(|v| v.is_finite());
     finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
@@ -123,19 +123,18 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
 /// lists columns.
 pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Option<String>) {
     if let Some(controller) = electrical::mark(columns, guess) {
-        guess.questions.push(controller);
+        guess.ask(controller);
     } else if guess.columns.iter().any(Guessed::is_electrical) {
-        guess.questions.push(
+        guess.ask(
             "erpm counts electrical turns: write 1/(pole pairs of the motor x gear) as scale, 0.14 for 7 pole pairs \
-             without gear; a tachometer column has 6 counts per electrical turn: per_turn = 6 x pole pairs x gear"
-                .into(),
+             without gear; a tachometer column has 6 counts per electrical turn: per_turn = 6 x pole pairs x gear",
         );
         guess.columns.iter_mut().for_each(|c| {
             c.scale_open |= c.is_electrical() && c.scale.is_none();
         });
     }
     if guess.columns.iter().any(Guessed::is_in_metres) {
-        guess.questions.push(RADIUS.into());
+        guess.ask(RADIUS);
     }
     if guess.drive_unit != DriveUnit::Volt {
         whole_inputs(columns, guess);
@@ -144,68 +143,69 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
         guess.columns.iter().any(|c| c.key.strip_prefix(of).is_some_and(|s| s.len() == 1))
     });
     if !angles && !speeds {
-        guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
+        guess.ask("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?");
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.questions.push(input.unwrap_or_else(|| no_input(columns, guess)));
+        guess.ask(input.unwrap_or_else(|| no_input(columns, guess)));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         // rows of other lines in between have no value
         let held = |c: &PreviewColumn| c.values.iter().copied().filter(|v| v.is_finite()).collect();
         guess.period_open = !columns.iter().map(held).any(|values: Vec<f64>| increases(&values));
-        guess.questions.push(no_time(guess.period_open).into());
+        guess.ask(no_time(guess.period_open));
     }
     let asked = time_question(guess);
-    guess.questions.extend(asked);
+    guess.ask_all(asked);
 }
 
 impl Guess {
-    /// Takes the period of the rows that the file states where no column is the time, or one counts the rows; whether it
-    /// was needed.
+    /// Uses the period of the rows that the file states if no column is the time, or if one counts the rows; returns
+    /// whether it was needed.
     pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
         match self.columns.iter_mut().find(|c| c.key == "t") {
             Some(t) if t.scale_open => {
                 (t.scale, t.scale_open) = (Some(period), false);
-                let asked = no_step(&t.name);
-                self.questions.retain(|q| *q != asked);
             }
             Some(_) => return false,
             None => {
-                self.questions.retain(|q| [true, false].iter().all(|open| q != no_time(*open)));
                 (self.period, self.period_open) = (Some(period), false);
             }
         }
+        self.answer(&About::Period);
         true
     }
 }
 
 /// The question on a column that was used as the time and may be another quantity.
-fn time_question(guess: &Guess) -> Option<String> {
+fn time_question(guess: &Guess) -> Option<Question> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     if time.scale_open {
         Some(no_step(&time.name))
     } else if time.unit_open {
-        Some(format!(
+        Some(Question::from(format!(
             "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
             time.name
-        ))
+        )))
     } else {
         None
     }
 }
 
 /// The question for the step of a column that counts rows.
-fn no_step(name: &str) -> String {
-    format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t")
+fn no_step(name: &str) -> Question {
+    let text =
+        format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t");
+    Question { about: About::Period, text }
 }
 
 /// The question if no time column was found.
-fn no_time(period_open: bool) -> &'static str {
-    if period_open {
+fn no_time(period_open: bool) -> Question {
+    let text = if period_open {
         "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
     } else {
         "which column holds the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
-    }
+    };
+    Question { about: About::Period, text: text.into() }
 }
 
 /// The unit of a controller whose column names are known and contain no unit.
@@ -257,7 +257,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
         ));
         return;
     }
-    // fractions at a slow rate are no milliseconds where those would make no log
+    // fractions at a slow rate are not milliseconds if those would give an implausible log
     let is_slow = !whole(values)
         && (SLOWEST..RATES.0).contains(&rate(1.0))
         && (last - first) * 1e-3 < SHORTEST
@@ -371,11 +371,9 @@ fn whole_inputs(columns: &[PreviewColumn], guess: &mut Guess) {
              count as scale"
         }
     };
-    guess.questions.push(format!(
-        "{} up to {:.0} in whole numbers: {units}",
-        first.asks_unit(),
-        top(first)
-    ));
+    let question =
+        first.unit_question(&format!("up to {:.0} in whole numbers: {units}", top(first)));
+    guess.ask(question);
     let inputs = guess.columns.iter_mut().filter(|c| c.key.starts_with('M') && c.unit.is_none());
     inputs.for_each(|c| c.unit_open = true);
 }

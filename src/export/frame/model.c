@@ -48,12 +48,12 @@ static double fastest_rate(double t, const double y[]) {
     return fastest[0];
 }
 
-// The torques that enter lag and delay, from the recorded ones [N m].
+// Torques before lag and delay, from the recorded torques [N m].
 void model_drive(const double M[2], double acting[2]) {
     {{drive}}
 }
 
-// The torques that act, from those that lag and delay pass on [N m].
+// Acting torques, from those after lag and delay [N m].
 void model_behind(const double M[2], double acting[2]) {
     {{behind}}
 }
@@ -255,7 +255,7 @@ static void advance(double t, double h, double y[STATES], const double from[2],
     }
 }
 
-// The motion from recorded torques M, one row a sample of t [s], and the first state. Until a row is done its
+// The motion from recorded torques M, one row per sample of t [s], and the first state. Until a row is done its
 // alpha holds the torques that lag and delay pass on.
 void model_simulate(int n, const double t[], double M[][2], const double alpha0[2],
                     const double omega0[2], double alpha[][2], double omega[][2]) {

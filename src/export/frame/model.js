@@ -2,7 +2,7 @@
 //
 // const robot = model();                              // or model({ p_a1: 0.03 }), with another value of a parameter
 // const a = robot.acceleration(t, alpha, omega, M);   // [rad/s^2]
-// const { alpha, omega } = robot.simulate(t, M, alpha0, omega0); // arrays of pairs, one a sample
+// const { alpha, omega } = robot.simulate(t, M, alpha0, omega0); // arrays of pairs, one per sample
 // const dy = robot.rates(t, y, M);                    // of the state y = [alpha1, alpha2, omega1, omega2]
 "use strict";
 
@@ -57,14 +57,14 @@ function model(changed = {}) {
     return fastest[0];
   }
 
-  // The torques that enter lag and delay, from the recorded ones [N m].
+  // Torques before lag and delay, from the recorded torques [N m].
   function drive(M) {
     const acting = [0.0, 0.0];
     {{drive}}
     return acting;
   }
 
-  // The torques that act, from those that lag and delay pass on [N m].
+  // Acting torques, from those after lag and delay [N m].
   function behind(M) {
     const acting = [0.0, 0.0];
     {{behind}}
@@ -289,7 +289,7 @@ function model(changed = {}) {
     return out;
   }
 
-  // The motion from recorded torques M, one pair a sample of t [s], and the first state.
+  // The motion from recorded torques M, one pair per sample of t [s], and the first state.
   function simulate(t, M, alpha, omega) {
     return motion(t, acting(t, M), 0, t.length, alpha, omega);
   }

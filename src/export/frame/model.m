@@ -2,7 +2,7 @@
 %
 % robot = model();
 % a = robot.acceleration(t, alpha, omega, M);                  % [rad/s^2]
-% [alpha, omega] = robot.simulate(t, M, alpha0, omega0);       % n by 2, one row a sample
+% [alpha, omega] = robot.simulate(t, M, alpha0, omega0);       % n by 2, one row per sample
 % dy = robot.rates(t, y, M);                                   % of the state y = [alpha, omega]
 function robot = model()
   robot.terms = @terms;
@@ -36,14 +36,14 @@ function fastest = fastest_rate(t, y)
   {{fastest}}
 end
 
-% The torques that enter lag and delay, from the recorded ones [N m].
+% Torques before lag and delay, from the recorded torques [N m].
 function acting = drive(M)
   {{parameters}}
   acting = zeros(1, 2);
   {{drive}}
 end
 
-% The torques that act, from those that lag and delay pass on [N m].
+% Acting torques, from those after lag and delay [N m].
 function acting = behind(M)
   {{parameters}}
   acting = zeros(1, 2);
@@ -235,7 +235,7 @@ function y = advance(t, h, y, first, last)
   end
 end
 
-% The motion from recorded torques M, one row a sample of t [s], and the first state.
+% The motion from recorded torques M, one row per sample of t [s], and the first state.
 function [alpha, omega] = simulate(t, M, alpha0, omega0)
   LINEAR = {{linear}};  % the torque runs straight between samples; otherwise it is held
   STEP = 1e-3;  % longest step of the integration [s]

@@ -70,7 +70,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     {{fastest}}
   end fastestRate;
 
-  function drive "The torques that enter lag and delay, from the recorded ones [N m]"
+  function drive "Torques before lag and delay, from the recorded torques [N m]"
     input Real M[2];
     output Real acting[2];
   protected
@@ -79,7 +79,7 @@ package TwoWheelRobot "Identified model of a two-wheel robot"
     {{drive}}
   end drive;
 
-  function behind "The torques that act, from those that lag and delay pass on [N m]"
+  function behind "Acting torques, from those after lag and delay [N m]"
     input Real M[2];
     output Real acting[2];
   protected

@@ -2,7 +2,7 @@
 #
 # import model
 # a = model.acceleration(t, alpha, omega, M)           # [rad/s^2]
-# alpha, omega = model.simulate(t, M, alpha0, omega0)  # lists of pairs, one a sample
+# alpha, omega = model.simulate(t, M, alpha0, omega0)  # lists of pairs, one per sample
 # dy = model.rates(t, y, M)                            # of the state y = [alpha1, alpha2, omega1, omega2]
 
 import math
@@ -44,14 +44,14 @@ def fastest_rate(t, y):
 
 
 def drive(M):
-    """The torques that enter lag and delay, from the recorded ones [N m]."""
+    """Torques before lag and delay, from the recorded torques [N m]."""
     acting = [0.0] * 2
     {{drive}}
     return acting
 
 
 def behind(M):
-    """The torques that act, from those that lag and delay pass on [N m]."""
+    """Acting torques, from those after lag and delay [N m]."""
     acting = [0.0] * 2
     {{behind}}
     return acting
@@ -210,7 +210,7 @@ def advance(t, h, y, start, end):
 
 
 def simulate(t, M, alpha, omega):
-    """The motion from recorded torques M, one pair a sample of t [s], and the first state."""
+    """The motion from recorded torques M, one pair per sample of t [s], and the first state."""
     y = started(alpha, omega)
     states = [y]
     passed = delayed(t, lagged(t, [drive(m) for m in M], {{lag}}), {{delay}})

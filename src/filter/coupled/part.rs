@@ -1,4 +1,4 @@
-//! One part of a step: what acts, and the linearly implicit solution.
+//! One part of a step: the acting torques, and the linearly implicit solution.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
@@ -7,7 +7,7 @@ use crate::effects::{Coupling, with_friction};
 use crate::filter::correction::Mean;
 use crate::filter::friction::Friction;
 
-/// What acts at one instant.
+/// Torques and masses at one instant.
 pub(super) struct Sides {
     pub(super) coupling: Coupling<f64>,
     pub(super) rotor: f64,
@@ -65,7 +65,7 @@ impl Coupled<'_> {
         self.add_slopes(false, &wheel_acceleration, &friction.sign, |i, k, slope| {
             fast[(i, k)] -= slope * free(i);
         });
-        // what the body feels, by state, before its own mass divides it
+        // derivatives of the torque on the body with respect to the state
         let mut felt = SMatrix::<f64, 2, STATES>::zeros();
         for i in 0..2 {
             f[BODY + i] = body_acceleration[i];

@@ -38,9 +38,9 @@ pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f6
     out
 }
 
-/// Standard deviation of the input over a row, what it does between rows included [N m]: a straight line
-/// that is in truth a step at some time in the row. The mean over the rows of all recordings: a test of steps is not
-/// to count for less than one of ramps.
+/// Standard deviation of the input over a row, including its unknown values between rows [N m]: a step at an unknown
+/// time in the row is recorded as a straight line. The mean over the rows of all recordings, so that a recording
+/// with steps has the same weight as one with ramps.
 ///
 /// ```text
 /// s² = mean (s_M² + max(0, ΔM² - 6 s_M²)/12)

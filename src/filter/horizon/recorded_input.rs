@@ -69,9 +69,9 @@ impl RecordedInput {
 
 /// Replaces derivatives by the times of shifts by those along the smoothed input.
 ///
-/// Between two rows the noise of both is averaged, so that innovations are smallest half a row from the truth. Along
-/// the smoothed input derivatives do not follow that noise: they are instruments (Söderström and Stoica, Instrumental
-/// Variable Methods for System Identification, 1983).
+/// Between two rows the noise of both is averaged, so that innovations are smallest half a row from the true shift.
+/// Along the smoothed input derivatives do not follow that noise: they are instruments (Söderström and Stoica,
+/// Instrumental Variable Methods for System Identification, 1983).
 fn along_smooth_input(
     model: &Model,
     p: &[f64],
@@ -95,7 +95,7 @@ fn smoothed(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
     let mut out = signal.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone() {
-            // the same reach on both sides, or the average would be early or late
+            // the same width on both sides, since the average would otherwise be shifted in time
             let reach = half.min(k - piece.start).min(piece.end - 1 - k);
             let around = &signal[k - reach..k + reach + 1];
             out[k] = [0, 1].map(|i| around.iter().map(|m| m[i]).sum::<f64>() / around.len() as f64);

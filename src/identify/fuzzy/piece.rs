@@ -43,7 +43,7 @@ impl Interval {
 impl Piece {
     /// All pieces of a recording, with the input turned into accelerations.
     pub(super) fn all(recording: &Recording, gain: &[[f64; 2]; 2], hold: Hold) -> Vec<Self> {
-        let sigma = recording.noise().omega;
+        let sigma = recording.motion_noise().omega;
         let accelerate = |u: &[f64; 2]| [0, 1].map(|i| gain[i][0] * u[0] + gain[i][1] * u[1]);
         let pieces = recording.pieces().iter().cloned();
         pieces

@@ -13,8 +13,8 @@ use crate::model::{Model, Parameter};
 /// Horizons that are compared \[s\]: from maximum likelihood to the length at which a missing effect
 /// begins to be amplified, at equal ratios.
 pub(super) const HORIZONS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.35, 0.7];
-/// The first of them where noise of the input biases those before \[s\]: over it the motion that
-/// the input makes outgrows what its noise does, as T against the root of T.
+/// The first of them where noise of the input biases those before \[s\]: beyond it the motion due
+/// to the input (proportional to T) exceeds that due to its noise (proportional to √T).
 pub(super) const SAFE: f64 = 0.2;
 
 /// A solution with its errors on held-out pieces.
@@ -31,8 +31,8 @@ impl Candidate {
     }
 }
 
-/// Parameters without each piece in turn, by one step from those of all; what the other pieces do not give keeps no robot
-/// from moving.
+/// Parameters without each piece in turn, by one step from those of all pieces, limited to values with which the
+/// model can be simulated.
 ///
 /// ```text
 /// θ_b = θ - (H - H_b)⁻¹ g_b
@@ -51,8 +51,8 @@ fn left_out(model: &Model, solution: &Solution) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The parameters `p`, with shapes that lie at the edge of their range where they started: a delay of zero has no
-/// slope by which another horizon could leave it.
+/// The parameters `p`, with shapes at a bound of their range reset to their initial values: at a delay of zero
+/// the derivative vanishes, so that another horizon could not leave it.
 fn off_the_edge(model: &Model, p: &[f64], start: &[f64]) -> Vec<f64> {
     let place = |(j, parameter): (usize, &Parameter)| {
         let (low, high) = parameter.spec.range;
@@ -62,8 +62,8 @@ fn off_the_edge(model: &Model, p: &[f64], start: &[f64]) -> Vec<f64> {
     model.parameters().iter().enumerate().map(place).collect()
 }
 
-/// Fits at every horizon from the last one's, the first from `begin`, and takes the one of the smallest held-out error if it is
-/// clearly smaller than that of the first. `None` where no fit is finite.
+/// Fits at every horizon, each from the solution of the one before, the first from `begin`, and selects that with the
+/// smallest held-out error if it is clearly smaller than that of the first. `None` where no fit is finite.
 pub(super) fn choose(
     filter: &HorizonFilter,
     model: &Model,

@@ -13,12 +13,13 @@ use crate::simulate::Hold;
 const STEPS: usize = 30;
 /// Decrease that no longer matters [nats]: a step of 0.03 standard errors.
 const NEGLIGIBLE: f64 = 5e-4;
-/// A step that promises less [nats], within a standard error of the solution, is taken unseen: the
-/// score leaves out how the gain depends on the parameters, so the cost need not fall there.
+/// A step with a smaller predicted decrease [nats] (less than one standard error) is accepted
+/// without comparing the cost: the score neglects the dependence of the gain on the parameters, so
+/// the cost need not decrease there.
 const NEAR: f64 = 0.5;
 /// Damping after the first failure, and its factor.
 const DAMPING: (f64, f64) = (1e-2, 10.0);
-/// Most rows that the input is moved.
+/// Largest shift of the input in rows.
 const MOST_SHIFT: f64 = 0.5;
 
 /// Where a descent ended.
@@ -69,8 +70,8 @@ impl Solution {
         out.cost().is_finite().then_some(out)
     }
 
-    /// Whether a descent of this model from `p` at this horizon begins here, where the filter has run. Beyond a horizon
-    /// of zero it may have run before all rows were to count alike.
+    /// Whether a descent of this model from `p` at this horizon can start from this evaluation of the filter. Beyond
+    /// a horizon of zero it may have been made with other weights of the rows.
     pub(super) fn is_at(
         &self,
         filter: &HorizonFilter,
@@ -182,10 +183,10 @@ pub(super) fn part(vector: &DVector<f64>, columns: &[usize]) -> DVector<f64> {
 
 /// The solution of `Σ ψ e/S = 0` by damped Gauss-Newton steps; `None` where the start has no finite cost.
 ///
-/// A step is kept if it lowers the cost with its scale profiled out. The score leaves out how the gain
-/// depends on the parameters, and where the innovations are far larger than their variance says that part
-/// turns the slope of the cost round: a step that halves what the score promises is kept too. So this is not
-/// [`crate::math::minimise`], which ends where the cost does not fall.
+/// A step is accepted if it lowers the cost with its scale profiled out. The score neglects the dependence
+/// of the gain on the parameters; if the innovations are much larger than their predicted variance, this
+/// term can reverse the sign of the gradient. A step that halves the predicted decrease is therefore
+/// accepted too. [`crate::math::minimise`] would end if the cost does not decrease.
 pub(super) fn descend(
     filter: &HorizonFilter,
     model: &Model,
@@ -204,7 +205,8 @@ pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, mut here: Solu
     let (mut share, mut promised) = (1.0, f64::INFINITY);
     let status = loop {
         let whole = here.towards(model, 0.0);
-        // steps that are taken unseen go half as far where the last one did not lead nearer
+        // steps accepted without comparing the cost are halved if the last one did not halve the
+        // predicted decrease
         if damping == 0.0 && whole.promise < NEAR && whole.promise > 0.5 * promised {
             share *= 0.5;
         }

@@ -2,15 +2,16 @@
 
 use crate::identify::{Estimate, Fit, Note};
 
-/// A fit of a model with an error above noise, with intervals that hold its disagreement with `other`, a fit of
-/// the same model. Noise of the input that goes on from row to row moves the simulated robot, which the filter takes
-/// for less of the input: inertias come out too large by far more than their standard errors. The regression of
-/// torques has that noise on its left side, where it biases nothing.
+/// A fit of a model with an error above noise, with intervals that include its disagreement with `other`, a fit of
+/// the same model. The filter attributes autocorrelated noise of the input to the inertias, which are then too large
+/// by far more than their standard errors. In the regression of torques that noise is in the dependent variable and
+/// causes no bias.
 ///
 /// ```text
 /// E (θ - θ')² = b² + s² + s'²,   s² → s² + max(0, (θ - θ')² - s² - s'²)
 /// ```
-/// b: bias of θ, where θ' has none and errs independently. What both methods share is not seen.
+/// b: bias of θ, if θ' is unbiased with independent errors. A bias common to both methods is not
+/// detected.
 pub(super) fn with_disagreement(mut fit: Fit, other: &Fit) -> Fit {
     let mut moved = Vec::new();
     for j in 0..fit.estimates.len() {

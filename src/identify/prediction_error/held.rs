@@ -1,4 +1,4 @@
-//! Holds parameters that the data do not identify at the start values of the model.
+//! Fixes parameters that are not identifiable at the initial values of the model.
 
 use nalgebra::DMatrix;
 
@@ -15,7 +15,7 @@ use crate::recording::Recording;
 /// judgement).
 const WIDEST: f64 = 5.0;
 
-/// A model with unidentified parameters held, and its maximum of the likelihood.
+/// A model with unidentifiable parameters fixed, and its maximum of the likelihood.
 pub(super) struct Held {
     pub(super) model: Model,
     pub(super) solution: Solution,
@@ -24,18 +24,19 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Holds, one after the other, parameters of which the data say less than nothing.
+    /// Fixes, one after the other, parameters whose estimates would be misleading:
     ///
     /// ```text
     /// se_j |torque by parameter j in a curve at the recorded speeds| > largest recorded input
     /// ```
-    /// An error of one standard error in such a parameter makes a torque as large as all of the
-    /// input: whatever its estimate is, a simulation of another motion with it means nothing. Of
-    /// several the least known is held first, since the others may then be known.
+    /// An error of one standard error in such a parameter causes a torque as large as the whole
+    /// input, so simulations of another motion with this estimate are meaningless. The parameter
+    /// with the largest of these torques is fixed first, because the others may then be
+    /// identifiable.
     ///
-    /// Of a single axis, written down as two equal wheels, only sums are known and nothing can be held
-    /// on one wheel alone: there `se_j` is the error if all others were known, and steps leave the
-    /// differences where they start.
+    /// For a single axis, mapped to both wheels, only sums are identifiable and no parameter of one
+    /// wheel alone can be fixed: there `se_j` is the error if all others were known, and the
+    /// differences keep their initial values.
     pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
@@ -47,12 +48,12 @@ impl Held {
         out
     }
 
-    /// Holds parameter `j` at `value` and descends from there; `None` if that is not possible.
+    /// Fixes parameter `j` at `value` and descends from there; `None` if that is not possible.
     fn hold(&mut self, filter: &HorizonFilter, j: usize, value: f64) -> Option<()> {
         let symbol = self.model.parameters()[j].spec.symbol.clone();
         let model = self.model.fix(&symbol, value).ok()?;
         let mut p = self.solution.p.clone();
-        // the sum of the inertias is known where one of them is not
+        // the sum of the inertias may be identifiable if one of them is not
         if j == A2 {
             p[A1] += p[A2] - value;
         }
@@ -99,13 +100,13 @@ impl Held {
         let input = largest_input(task.train);
         let share = |(j, torque): (usize, f64)| {
             let error = covariance[(j, j)].sqrt() * torque;
-            // a column without any torque has none at any value
+            // a column without torque at one value has none at any other
             let known = torque == 0.0 && information[(j, j)] > 0.0;
             (!known && !(error <= input)).then_some((j, error))
         };
         let unknown = torque_of_each(&self.model, &self.solution.p, task.train);
         let unknown = unknown.into_iter().filter(|(j, _)| !self.places.contains(j));
-        // of equals the last: a1 is the larger of the inertias, and what is left of their sum
+        // the last of equal ones, a2: a1 is the larger inertia and then stands for the sum
         let least =
             unknown.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         least.map(|(j, _)| j)

@@ -14,7 +14,7 @@ fn shapes(model: &Model) -> impl Iterator<Item = usize> {
     model.free().into_iter().filter(is_shape)
 }
 
-/// The model with its shapes where a fit has them; `None` of one that has none.
+/// The model with the shapes of a fit; `None` if it has none.
 pub(super) fn shaped(model: &Model, fit: &Fit) -> Option<Model> {
     shapes(model).next()?;
     Some(shapes(model).fold(model.clone(), |out, j| out.starting_at(j, fit.estimates[j].value)))

@@ -20,11 +20,11 @@ pub(super) struct Spread {
 /// ```text
 /// C = H⁻¹ (Σ_b g_b g_b') H⁻¹ m/(m-p),   m blocks, p parameters, m - p degrees of freedom
 /// ```
-/// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`, and the factor is m/(m-1): the
-/// larger of two is taken already. With no more blocks than columns the likelihood is all there is.
+/// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`, and the factor is m/(m-1),
+/// since the larger of two is used already. With no more blocks than columns only the likelihood is used.
 ///
-/// The input between its rows is not known: no standard error is smaller than what halving its rate moves the
-/// solution by, the mean of both ways of doing so ([`at_least`]).
+/// The input between its rows is not known: no standard error is smaller than the change of the solution by
+/// halving its rate, the mean over both halves of the rows ([`at_least`]).
 ///
 /// Source: White, Econometrica 50 (1982); Liang and Zeger, Biometrika 73 (1986).
 pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {

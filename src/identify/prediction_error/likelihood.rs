@@ -1,4 +1,4 @@
-//! Maximum likelihood with all noise estimated along, a slow unknown torque among it.
+//! Maximum likelihood with all noise levels estimated, including a slow unknown torque.
 
 use super::{NAME, note_profile};
 use crate::filter::{FilterError, Likelihood, Maximum, prepare};
@@ -13,15 +13,15 @@ const MOST_BIAS: f64 = 0.1;
 /// ```text
 /// maximise  Σ_k Σ_i -½ (ln 2π S_i + e_i²/S_i)
 /// ```
-/// Efficient where the only thing wrong is coloured noise of the input; where the model lacks
-/// something the noise absorbs it.
+/// Efficient if coloured noise of the input is the only deviation from the model; missing effects
+/// are absorbed by the noise.
 pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyError> {
     let first = start::start(task, NAME)?;
     let prepared = task.train.iter().map(prepare).collect();
     let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
     let maximum = likelihood.maximise(task.model, &first, None).map_err(unusable)?;
     let bias = likelihood.bias_by_input_noise(task.model, &maximum)?;
-    // the bias is known to first order, so a large one is not known
+    // the bias is computed to first order, which is not valid for a large one
     let small = bias[A1].abs() < MOST_BIAS * maximum.p[A1].abs();
     let bias = if small { bias } else { vec![0.0; maximum.p.len()] };
     let mut fit = fit(task, &maximum, &bias);

@@ -1,4 +1,4 @@
-//! The guard: where a plain regression simulates held-out pieces better, it is taken.
+//! Fallback: if a regression of torques simulates held-out pieces better, its values are used.
 
 use super::choice::Candidate;
 use super::disagreement::with_disagreement;
@@ -8,22 +8,21 @@ use crate::identify::open_loop::{OpenLoop, clearly_smaller, mean};
 use crate::identify::torque_regression::TorqueRegression;
 use crate::identify::{Fit, Note, Task};
 
-/// Share of the error by which another method must be better to matter: that of an effect which
-/// enters the model.
+/// Relative reduction of the error for which another method is used: that required of an effect.
 const MATTERS: f64 = 0.01;
 
-/// Ratio of the errors beyond which some pieces may decide alone: between methods that both work they differ
-/// by a few percent, so that one half more means that the fit fails on a kind of motion.
+/// Ratio of the errors above which a few pieces are sufficient for the decision: errors of two valid fits
+/// differ by a few percent, so that an error larger by one half means that a fit fails on a kind of motion.
 const FAILS: f64 = 1.5;
 
 /// The fit, or that of the regression of torques (of `rows` where the model has no shapes) if its 2 s simulation
-/// error on held-out pieces is smaller by one percent, and its logarithm by more than a paired standard error: most pieces
-/// must agree, not the few with the largest errors, unless the fit fails on those. A fit that fails
-/// on the very pieces that it was made from (both have the same parameters, so that neither fits
-/// better by having more) is not taken whatever is left out. A kind of motion that was driven once cannot be predicted
-/// from the others: if the error of the regression is larger by one half on held-out pieces than with all pieces, only the
-/// errors with all pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is
-/// kept hold the disagreement of the two.
+/// error on held-out pieces is smaller by one percent, and its logarithm by more than a paired standard error: it
+/// must be better on most pieces, not only on the few with the largest errors, unless the fit fails on those. A fit
+/// whose error on its own training pieces is larger by one half (both have the same number of parameters) is replaced
+/// whatever the held-out errors. A kind of motion that was driven once cannot be predicted from the others: if the
+/// error of the regression is larger by one half on held-out pieces than with all pieces, only the errors with all
+/// pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is kept include the
+/// disagreement of the two.
 pub(super) fn better(
     (task, rows): (&Task, Option<Regression>),
     open: &OpenLoop,

@@ -220,7 +220,7 @@ fn a_delay_and_a_lag_are_estimated_to_a_fraction_of_a_row() {
 
 #[test]
 fn a_stiff_spring_is_not_found_stiffer_than_it_is() {
-    // 44 rad/s, 0.44 rad a row: one implicit step a row turns 1.6 % too slowly, a stiffness is 3 % too high then
+    // 44 rad/s, 0.44 rad per row: one implicit step per row turns 1.6 % too slowly, a stiffness is 3 % too high then
     let truth = [16.8, 0.075, 0.0115];
     let found = with_effect("compliance", &truth);
     for (e, t) in found.iter().zip(truth) {

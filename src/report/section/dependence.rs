@@ -25,9 +25,9 @@ impl Section for Dependence {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The residual torque is the torque that the model lacks to explain the recorded input: a line over speed is \
-         viscous friction, a step at zero is dry friction, a wave over the heading is an inclined floor or, as a \
-         resistance, the pile of a carpet."
+        "The residual torque is the recorded input minus the torque that the model requires for the \
+         measured motion. A straight line over speed indicates viscous friction, a step at zero dry \
+         friction, a wave over the heading an inclined floor or, as a resistance, the pile of a carpet."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -45,7 +45,7 @@ fn figure(study: &Study) -> Figure {
     let (variable, acting) = (first.variable.words(), first.acting.words());
     let title = match first.share_after {
         _ if first.share_before < THRESHOLDS.named_share => {
-            "The residual torque depends on nothing that was looked at".to_owned()
+            "The residual torque does not depend on any of the variables tested".to_owned()
         }
         Some(after) => format!(
             "The {variable} explains {before} of the residual torque{acting}, and {after} with {} in the model",
@@ -103,9 +103,9 @@ fn caption(study: &Study) -> String {
     let acting = match study.curves.iter().all(|c| c.acting == Acting::Torque) {
         true => "",
         false => {
-            " A resistance is the residual torque where the wheel turns forward and its opposite where it turns \
-             backward; a share of the input is the factor between the two. A part that is the same over the whole \
-             range is left out of both."
+            " Resistance: residual torque times the sign of the wheel speed. Share of the input: ratio of \
+             the residual torque to the input. In both, the part that is constant over the whole range is \
+             omitted."
         }
     };
     format!(
@@ -198,9 +198,9 @@ fn table(study: &Study) -> Table {
         columns.push(Column::number(format!("Explains, {}", words::added(study)), ""));
         columns.push(Column::number("Largest", unit));
     }
-    let caption = "Share of the mean square of the residual torque that its mean over bins of a variable \
-                   explains, degrees of freedom taken off, and the largest mean; of both models as a share of the \
-                   model as given. All recordings.";
+    let caption = "Share of the mean square of the residual torque that is explained by its means in bins \
+                   of a variable (adjusted for degrees of freedom), and the largest bin mean; of both \
+                   models as a share of the model as given. All recordings.";
     let mut table = Table::new(caption, columns);
     let largest = |curve: &Curve, of: &dyn Fn(&CurveBin) -> Option<[Mean; 2]>| {
         let means = curve.bins.iter().filter_map(of).flatten().map(|m| m.value);

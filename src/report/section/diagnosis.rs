@@ -42,13 +42,13 @@ impl Section for Diagnosis {
         blocks.extend(ranking_figure(diagnosis).map(Block::from));
         blocks.push(summary(diagnosis));
         if !diagnosis.ranking.is_empty() {
-            blocks.push(Block::Heading("Evidence in words".to_owned()));
+            blocks.push(Block::Heading("Evidence for each candidate".to_owned()));
             blocks.push(Block::List(described(diagnosis)));
             blocks.push(table(study, &diagnosis.ranking).into());
             blocks.extend(ruled_out(&diagnosis.ranking));
         }
         if let Some(next) = recommendation(diagnosis) {
-            blocks.push(Block::Heading("What to drive next".to_owned()));
+            blocks.push(Block::Heading("Recommended manoeuvre".to_owned()));
             blocks.push(Block::paragraph(next));
         }
         blocks.extend(diagnosis.proposal.as_ref().map(manoeuvre).map(Block::from));
@@ -262,8 +262,8 @@ fn manoeuvre(proposal: &Proposal) -> Table {
         Column::number("Holding", "s"),
     ];
     let caption = format!(
-        "A manoeuvre that distinguishes the best two: driven once, it identifies the right one with a \
-         probability of {}. Its statistic is {} (chi-square, one degree), against {} for a random \
+        "A manoeuvre that distinguishes the two best candidates; one run of it identifies the correct one \
+         with a probability of {}. Its statistic is {} (chi-square, one degree), against {} for a random \
          manoeuvre of the same length.",
         format::probability(proposal.probability),
         format::digits(proposal.discrimination, 3),

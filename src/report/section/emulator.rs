@@ -27,8 +27,9 @@ impl Section for Emulator {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "The emulator runs beside the robot and is corrected towards the measurement by the gain K, so its \
-         error is small where K is large, whatever the model; with K = 0 it is a pure simulation."
+        "The emulator is simulated in parallel with the recording and corrected towards the measurement \
+         with the gain K (a state observer), so its error is small for large K, however poor the model; \
+         with K = 0 it is a pure simulation."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

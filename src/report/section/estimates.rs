@@ -50,7 +50,7 @@ impl Section for Estimates {
             })
             .collect();
         if !beyond.is_empty() {
-            blocks.push(Block::Heading("Values that make no physical sense".to_owned()));
+            blocks.push(Block::Heading("Physically implausible values".to_owned()));
             blocks.push(Block::List(beyond));
         }
         blocks.extend(comparison::figure(study, &physical).map(Block::from));

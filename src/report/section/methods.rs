@@ -59,8 +59,8 @@ fn paper_index(study: &Study) -> Block {
     Block::paragraph(format!(
         "The paper's quality index of 0.139 rad²/s is that of its emulator in the parallel structure, for \
          a run of unpublished length, noise and gain K: the index grows with the length and falls with K, \
-         so it serves as an order of magnitude only. Here the noise of the measured speeds alone costs {} \
-         rad²/s on the judged recordings.",
+         so it serves as an order of magnitude only. Here the noise of the measured speeds alone \
+         contributes {} rad²/s on the evaluated recordings.",
         format::digits(sensor_noise(study), 3)
     ))
 }

@@ -32,22 +32,17 @@ impl<'a> Overlay<'a> {
 
     /// The models with their names and styles, the last on top.
     fn models(&self) -> Vec<(&'a Performance, String, ColourRole, Dash)> {
-        let error = |p: &Performance| format::digits(p.window_rms, 3);
-        let name = words::given(self.study);
-        let mut out = Vec::new();
+        let given = words::given(self.study).to_string();
         match self.completed {
-            None => {
-                let label = format!("{name}: {} rad/s", error(self.given));
-                out.push((self.given, label, ColourRole::Model, Dash::Solid));
-            }
+            None => vec![(self.given, given, ColourRole::Model, Dash::Solid)],
             Some(completed) => {
-                let label = format!("{name}: {} rad/s", error(self.given));
-                out.push((self.given, label, ColourRole::Given, Dash::Dashed));
-                let label = format!("{}: {} rad/s", words::added(self.study), error(completed));
-                out.push((completed, label, ColourRole::Model, Dash::Solid));
+                let added = words::added(self.study).to_string();
+                vec![
+                    (self.given, given, ColourRole::Given, Dash::Dashed),
+                    (completed, added, ColourRole::Model, Dash::Solid),
+                ]
             }
         }
-        out
     }
 
     /// The first screen: both speeds in the interval with the largest error of the model as given.
@@ -74,7 +69,7 @@ impl<'a> Overlay<'a> {
             ));
         let figure = (0..2).fold(figure, |figure, i| {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
-            figure.with_panel(self.speeds(y, i, (first, last), |p| &p.windows))
+            figure.with_panel(self.speeds(y, i, (first, last), |p| &p.windows, with_error))
         });
         figure.linked(LINK).with_height(340.0)
     }
@@ -95,7 +90,7 @@ impl<'a> Overlay<'a> {
     fn among(&self) -> String {
         match self.study.judged().len() {
             ..2 => String::new(),
-            many => format!("; the error in the verdict is that over all {many} recordings"),
+            many => format!("; the verdict gives the RMS error over all {many} recordings"),
         }
     }
 
@@ -139,15 +134,7 @@ impl<'a> Overlay<'a> {
         let ends = (self.recording.t[0], self.recording.t[self.recording.t.len() - 1]);
         for i in 0..2 {
             let y = Axis::linear(words::OMEGA[i], "rad/s");
-            let mut speeds = self.speeds(y, i, ends, |p| &p.free);
-            for layer in &mut speeds.layers {
-                // the errors in the labels are those of the other panel
-                if let Layer::Line { label, .. } = layer
-                    && let Some((name, _)) = label.split_once(": ")
-                {
-                    *label = format!("{name}, free");
-                }
-            }
+            let speeds = self.speeds(y, i, ends, |p| &p.free, |name, _| format!("{name}, free"));
             figure = figure.with_panel(speeds).with_panel(self.residuals(i));
         }
         figure
@@ -159,6 +146,7 @@ impl<'a> Overlay<'a> {
         i: usize,
         range: (f64, f64),
         of: impl Fn(&Performance) -> &[[f64; 2]],
+        label: impl Fn(&str, &Performance) -> String,
     ) -> Panel {
         let x = Axis::linear("time", "s").with_range(range.0, range.1);
         let measured = wheel(&self.recording.t, &self.recording.omega, i);
@@ -172,8 +160,8 @@ impl<'a> Overlay<'a> {
             width: 3.2,
             dash: Dash::Solid,
         });
-        for (performance, label, role, dash) in self.models() {
-            let rows = of(performance);
+        for (performance, name, role, dash) in self.models() {
+            let (rows, label) = (of(performance), label(&name, performance));
             let points = self.broken(simulated(self.recording, rows, i), performance, rows);
             let points = broken_at_gaps(points);
             shown.extend(points.iter().filter(inside));
@@ -191,7 +179,8 @@ impl<'a> Overlay<'a> {
         let label = format!("residual {}", words::OMEGA[i]);
         let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear(label, "rad/s"))
             .with(curves::noise_band(self.recording, i));
-        for (performance, label, role, _) in self.models() {
+        for (performance, name, role, _) in self.models() {
+            let label = with_error(&name, performance);
             let points = residual(self.recording, &performance.windows, i);
             let points = broken_at_gaps(self.broken(points, performance, &performance.windows));
             let width = if role == ColourRole::Given { 0.9 } else { 1.1 };
@@ -250,4 +239,9 @@ fn spread(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let (low, high) = (y().fold(f64::INFINITY, f64::min), y().fold(f64::NEG_INFINITY, f64::max));
     let room = 0.06 * (high - low);
     (high > low).then_some((low - room, high + room))
+}
+
+/// A legend with the RMS error of the 2 s simulations.
+fn with_error(name: &str, performance: &Performance) -> String {
+    format!("{name}: {} rad/s", format::digits(performance.window_rms, 3))
 }

@@ -51,7 +51,7 @@ fn caption(study: &Study) -> String {
     let marked = if study.truth.is_empty() {
         ""
     } else {
-        " In colour: more than three standard errors from the true value."
+        " Coloured values differ from the true value by more than three standard errors."
     };
     format!("Estimates ± standard error with 95 % intervals below, fitted by {by}.{marked}")
 }

@@ -54,9 +54,8 @@ impl Section for Recordings {
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
         blocks.extend(conditioning(study, &shown));
-        let timing = study.timing.map(|t| {
-            format!("Dead time: {}{}.", dead_time(&t), decided(study, &t))
-        });
+        let timing =
+            study.timing.map(|t| format!("Dead time: {}{}.", dead_time(&t), decided(study, &t)));
         blocks.extend(timing.map(Block::paragraph));
         let groups = study.findings();
         let remarks = groups.len();
@@ -71,7 +70,9 @@ impl Section for Recordings {
             blocks.push(Block::Heading("Findings of the quality check".to_owned()));
             if findings.len() < remarks {
                 let (here, all) = (findings.len(), remarks);
-                let sentence = format!("The first {here} of {all} remarks; results.json has all.");
+                let sentence = format!(
+                    "The first {here} of {all} findings; results.json contains all of them."
+                );
                 blocks.push(Block::paragraph(sentence));
             }
             blocks.push(Block::List(findings));
@@ -124,9 +125,8 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
 }
 /// What became of a dead time that logging does not explain.
 fn decided(study: &Study, timing: &Timing) -> String {
-    let is_shift = |id: &String| {
-        effects::find(id).is_some_and(|effect| effect.change() == Change::TimeShift)
-    };
+    let is_shift =
+        |id: &String| effects::find(id).is_some_and(|effect| effect.change() == Change::TimeShift);
     match &study.diagnosis {
         _ if !timing.is_late() => String::new(),
         None => format!(": {}", dead_time_advice()),

@@ -162,9 +162,10 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
         columns.push(Column::number("p, one regime", ""));
     }
     let caption = format!(
-        "Regimes, those with a significant residual torque first, then by how far the error exceeds noise, on {} data: share \
-         of the summed squared 2 s simulation error, and the mean residual torque ± standard error (over blocks of 1 s), with its \
-         p-value, not corrected for the number of regimes; a dash near rest, or where blocks are too few for a test.",
+        "Driving regimes on {} data, those with a significant residual torque first, then by the ratio of \
+         error to noise: share of the summed squared 2 s simulation error, and the mean residual torque ± \
+         standard error (over blocks of 1 s), with its p-value, not corrected for the number of regimes; a \
+         dash near rest, or where blocks are too few for a test.",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);

@@ -20,8 +20,8 @@ impl Section for Staircase {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Each bar is the error of a model with one more effect; the dashed line is the error that \
-         noise alone would cause, below which a model gets only by chance."
+        "Each bar is the error of a model with one more effect; the dashed line is the noise floor: a \
+         correct model falls below it only by chance."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -58,8 +58,8 @@ impl Section for Staircase {
                     floor: version.floor,
                 })
                 .collect();
-            let lead =
-                "Versions of this model that were run, oldest first, by the fit of the verdict";
+            let lead = "Versions of this model run so far, oldest first, each by the fit that its verdict is \
+                 based on";
             blocks.extend(show(study, "staircase-versions", lead, &stairs));
         }
         blocks

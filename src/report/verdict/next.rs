@@ -39,7 +39,7 @@ fn words(advice: &Advice) -> String {
                 .to_owned()
         }
         Advice::RecordFaster { rate } => {
-            format!("Record the input about ten times faster, at {rate} rows a second.")
+            format!("Record the input about ten times faster, at {rate} rows per second.")
         }
         Advice::Prove { effect, excitation, faster } => {
             let faster = if *faster { ", at a higher rate" } else { "" };

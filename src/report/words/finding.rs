@@ -157,7 +157,8 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             ms(lag_s)
         ),
         Kind::OfAngle { share } => format!(
-            "{name} was computed from the angle: it has {:.1} % of the least noise of a sensor of its own",
+            "{name} was computed from the angle: a filter of the angle leaves {:.1} % of the smallest \
+             noise that an independent sensor could have",
             percent(share)
         ),
         Kind::Counts { step_rad, rows } => format!(
@@ -199,7 +200,9 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::CoarseClock { .. } => {
             "treated as a coarse clock: the rows are spread evenly over its steps"
         }
-        Kind::Batches { .. } => "treated as stamps of a receiver: the rows are moved to even times",
+        Kind::Batches { .. } => {
+            "treated as times of reception: the rows are moved to equidistant times"
+        }
         Kind::Frozen { .. } => "these rows are left out",
         Kind::Stale { .. } => "replaced by the samples that came late",
         Kind::Wrapped { .. } => "unwrapped",
@@ -216,8 +219,8 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Phase { .. } => "shifted by this time",
         Kind::StartHeading { .. } => "the angles are shifted",
         Kind::StartAngle { .. } => "shifted",
-        Kind::Differences { .. } => "not used: it has no information beyond the angle",
-        Kind::OfAngle { .. } => "left out: it adds nothing to the angle",
+        Kind::Differences { .. } => "not used: it contains no information beyond the angle",
+        Kind::OfAngle { .. } => "not used: it contains no information beyond the angle",
         Kind::Counts { .. } => "replaced by the angle that the counts add up to",
         Kind::FewLevels { .. } => "treated as a command without noise",
         Kind::Magnitude => "takes the sign of the speed",
@@ -245,13 +248,19 @@ fn subject(channels: &[Channel]) -> String {
     }
 }
 
+impl Stated {
+    /// What was found, without its correction.
+    #[must_use]
+    pub fn what(&self) -> String {
+        let first = self.channels.first();
+        first.map_or_else(String::new, |c| found(&subject(&self.channels), self.kind, *c))
+    }
+}
+
 /// In a sentence.
 impl fmt::Display for Stated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(channel) = self.channels.first() else { return Ok(()) };
-        let name = subject(&self.channels);
-        let what = found(&name, self.kind, *channel);
-        let done = done(&name, self.kind);
+        let (what, done) = (self.what(), done(&subject(&self.channels), self.kind));
         match self.action {
             Action::Corrected(key) => {
                 write!(f, "{what}; {done} ([conditioning] {key} = false switches this off)")

@@ -86,9 +86,9 @@ impl fmt::Display for Note {
                 "Missing effects were not searched for ({reason}); the fits are not affected."
             ),
             Self::MassNotPositive => f.write_str(
-                "The estimates of a1 and a2 were no positive definite mass matrix (a1 must exceed |a2|): their larger \
-                 combination, a1 + a2 or a1 - a2, was kept, and neither is identifiable; record: speeding up and \
-                 braking, straight and in pivots.",
+                "The estimates of a1 and a2 do not give a positive definite mass matrix (a1 must exceed \
+                 |a2|). The larger of a1 + a2 and a1 - a2 was kept, and neither a1 nor a2 is identifiable; \
+                 record: speeding up and braking, straight and in pivots.",
             ),
             Self::CutOff(hz) => {
                 let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();
@@ -108,8 +108,8 @@ impl fmt::Display for Note {
             }
             Self::SingleAxis(counted) => {
                 f.write_str(
-                    "Both wheels carry the same numbers: this is one axis, so only sums over the two \
-                     wheels are identifiable",
+                    "Both wheels have identical data (a single axis), so only sums over the two wheels are \
+                     identifiable",
                 )?;
                 f.write_str(match counted {
                     SingleAxis::CountedOnce => ".",
@@ -134,8 +134,8 @@ impl fmt::Display for Note {
             }
             Self::Late { time, error, fitted } => {
                 let rest = match fitted {
-                    true => "This fit has a delay of the input for it; a lag of the actuator would look alike.",
-                    false => "This fit has no such time.",
+                    true => "This fit represents it as an input delay; an actuator lag would have the same effect.",
+                    false => "This fit contains no delay.",
                 };
                 let (time, error) = (1e3 * time, 1e3 * error);
                 write!(f, "The motion starts {time:.1} ± {error:.1} ms after the recorded input. {rest}")
@@ -151,15 +151,16 @@ impl fmt::Display for Note {
                 let values: Vec<_> = negative.iter().map(|(s, v)| format!("{s} = {v:.3e}")).collect();
                 write!(
                     f,
-                    "{} is negative with its whole interval: such a friction would drive the robot. Check the signs, the \
-                     offset and the time of the input; else the model lacks an effect in whose place it stands.",
+                    "{}: the 95 % interval is entirely negative, i.e. this friction would accelerate the \
+                     robot. Check the sign, the offset and the timing of the input; otherwise an effect is \
+                     missing from the model and this parameter compensates for it.",
                     values.join(", ")
                 )
             }
             Self::BetweenRows { symbols, share, step_s, rate } => write!(
                 f,
                 "{} not identifiable: between two rows of {step_s:.3} s the input may act by {:.0} % of the torque \
-                 that accelerates the robot. Record the input about ten times faster, at {rate} rows a second.",
+                 that accelerates the robot. Record the input about ten times faster, at {rate} rows per second.",
                 match &symbols[..] {
                     [one] => format!("{one} is"),
                     several => format!("{} are", several.join(", ")),
@@ -187,7 +188,7 @@ impl fmt::Display for Note {
                 )
             }
             Self::NoProfile(symbol) => {
-                write!(f, "{symbol} has no profile: it is held, or not identifiable from these data.")
+                write!(f, "No profile likelihood for {symbol}: it is fixed, or not identifiable from these data.")
             }
             Self::Profile { symbol, unit, interval: (low, high), by_std_error } => write!(
                 f,
@@ -211,22 +212,22 @@ impl fmt::Display for Note {
             Self::Emulator { fed, ise, floor } => emulator(f, *fed, *ise, *floor),
             Self::ExcitedRules { count, of } => write!(
                 f,
-                "{count} of {of} rules were excited by the training recordings; speeds at which no \
-                 excited rule fires with at least 0.2 are extrapolation, where the output is unreliable"
+                "{count} of {of} rules were excited by the training recordings; speeds at which no excited \
+                 rule fires with at least 0.2 are extrapolation, where the output is unreliable."
             ),
             Self::ForwardOnly => f.write_str(
-                "below zero speed the inputs are clamped: backward driving is treated as standstill",
+                "Negative speeds are clamped to zero: driving backward is treated as standstill.",
             ),
             Self::ReadInBlocks(rows) => write!(
                 f,
-                "All {rows} rows were read block by block; cut-off and speed near rest come from the \
-                 windows that are held."
+                "All {rows} rows were read block by block; cut-off and rest threshold are determined from \
+                 the windows kept in memory."
             ),
             Self::FittedToWindows(windows) => write!(
                 f,
-                "Fitted to {windows} windows of recordings too long to be held: this method takes all \
-                 rows at once (more memory: hold_rows, under [recordings]), torque_regression reads \
-                 them all."
+                "Fitted to {windows} windows, because the recordings are too long to keep in memory and \
+                 this method needs all rows at once. Raise hold_rows under [recordings], or use \
+                 torque_regression, which reads every row."
             ),
         }
     }
@@ -250,8 +251,8 @@ impl fmt::Display for Unknown {
                 };
                 write!(
                     f,
-                    "{first} and {second} are indistinguishable from these data; identifiable is {first} {other} = \
-                     {}",
+                    "{first} and {second} cannot be identified separately from these data; identifiable is \
+                     {first} {other} = {}",
                     digits(*value, 4)
                 )?;
                 match std_error.is_finite() {
@@ -261,7 +262,7 @@ impl fmt::Display for Unknown {
             }
             Self::Several(symbols) => write!(
                 f,
-                "Only combinations of {} are identifiable from these data, not each of them",
+                "Only combinations of {} are identifiable from these data, not the individual parameters",
                 symbols.join(", ")
             ),
         }

@@ -9,7 +9,7 @@ use super::robots::Machine;
 /// Sampling rate of exact motions [Hz].
 pub const EXACT: f64 = 1000.0;
 
-/// Exact motion at [`EXACT`] rows a second.
+/// Exact motion at [`EXACT`] rows per second.
 #[derive(Clone, Debug, Default)]
 pub struct Exact {
     /// Wheel angles [rad].

@@ -58,7 +58,7 @@ struct Resistance {
     offset: [f64; 2],
     /// Sine and cosine once a turn [es, ec].
     once: [[f64; 2]; 2],
-    /// Sine and cosine n times a turn [rs, rc].
+    /// Sine and cosine n times per turn [rs, rc].
     ripple: [[f64; 2]; 2],
     /// [n]
     order: f64,

@@ -1,6 +1,6 @@
-//! Factors in names: how many of a unit a number in the column is.
+//! Factors in names: the unit of a number in the column.
 
-/// Numbers by which a value is multiplied before it is written down.
+/// Numbers by which a value is multiplied before it is logged.
 const POWERS: [f64; 4] = [10.0, 100.0, 1000.0, 10000.0];
 
 /// The number before a unit: `10 mA`, `0.1 A`, `x0.1 rpm`.

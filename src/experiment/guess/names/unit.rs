@@ -134,7 +134,7 @@ fn listed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
 const A_SECOND: [&str; 9] =
     ["persecond", "persec", "pers", "/second", "/sec", "/s", "/per/second", "/per/sec", "/per/s"];
 
-/// The unit of an angle a second, however its words are put together: `turns_per_s`, `rotations/s`.
+/// The unit of an angle per second, for any combination of its words: `turns_per_s`, `rotations/s`.
 fn a_second(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     let angles = A_SECOND.iter().filter_map(|end| text.strip_suffix(end)).filter_map(listed);
     let speeds = angles.filter_map(|(unit, _)| match unit {
@@ -167,11 +167,11 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
         let from = words.len() - count;
         let joined = words[from..].concat();
         let slashed = words[from..].join("/");
-        // a name that is a unit and nothing else says it as its quantity: `t`, `v`, `a`
+        // a name that consists of a unit letter only denotes the quantity: `t`, `v`, `a`
         let alone = from == 0 && joined.len() < 2;
         // `m_s` is m/s, and no ms
         if let Some(found) = unit(&slashed).or_else(|| unit(&joined)).filter(|_| !alone) {
-            // words such as `rpm` and `volts` say the quantity too, `ticks` of an encoder as well
+            // words such as `rpm`, `volts` and `ticks` also denote the quantity
             words.truncate(from);
             return Some(found);
         }

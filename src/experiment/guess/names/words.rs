@@ -24,7 +24,7 @@ const OPEN_SPEEDS: [&str; 17] = [
 ];
 /// Words of a number of turns in a time.
 pub(super) const TURNS: [&str; 4] = ["drehzahl", "rpm", "转速", "回転数"];
-/// Words of a way, in whatever unit.
+/// Words of a distance, in any unit.
 const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
 /// Words of a sensor of angles that leave its unit open.
 const SENSORS: [&str; 2] = ["enc", "encoder"];
@@ -204,7 +204,8 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
     ),
 ];
 
-/// Words of an input that name its motor as well: beside a unit of something else they say nothing.
+/// Words of an input that may also denote its motor; with a unit of another quantity they are
+/// ignored.
 pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 
 /// Words of the step between two rows.
@@ -234,7 +235,7 @@ pub(in crate::experiment::guess) const WISHED: [&str; 20] = [
     "指令",
 ];
 
-/// Words of a name that is what the robot did, and say no more.
+/// Words for measured values, which carry no other information.
 pub(in crate::experiment::guess) const MEASURED: [&str; 15] = [
     "meas", "measured", "measure", "act", "actual", "ist", "istwert", "pv", "fb", "feedback",
     "real", "mes", "实际", "実", "測定",
@@ -295,7 +296,7 @@ pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String
     let is_alone = words.iter().filter(says).count() == 1;
     for (quantity, known) in QUANTITIES {
         if let Some(k) = words.iter().position(|w| is_among(known, w)) {
-            // one letter says little among other words
+            // a single letter is ambiguous among other words
             if words[k].len() == 1 && !is_alone && !dot {
                 continue;
             }

@@ -64,7 +64,7 @@ fn the_period_that_a_file_states_stands_for_a_time_that_is_not_there() {
     let mut g = guess(&log);
     assert!(g.take_period(0.01) && g.period == Some(0.01));
     assert!(
-        !g.questions.iter().any(|q| q.contains("what is the sampling period")),
+        !g.questions.iter().any(|q| q.text.contains("what is the sampling period")),
         "{:?}",
         g.questions
     );

@@ -8,7 +8,7 @@ fn name_of<'a>(g: &'a Guess, key: &str) -> Option<&'a str> {
 }
 
 fn asked(g: &Guess, words: &[&str]) -> bool {
-    g.questions.iter().any(|q| words.iter().all(|w| q.contains(w)))
+    g.questions.iter().any(|q| words.iter().all(|w| q.text.contains(w)))
 }
 
 #[test]

@@ -63,10 +63,10 @@ fn a_speed_without_unit_is_in_that_in_which_an_encoder_has_its_counts() {
         assert_eq!((of(&g, "dalpha1").unit.as_deref(), of(&g, "alpha1").per_turn), expected);
         assert_eq!(of(&g, "dalpha1").unit_open, asked);
     }
-    // 8192 x 0.37 counts a turn are none of an encoder: a speed in a unit of its own does not give them
+    // 8192 x 0.37 counts per turn are none of an encoder: a speed in a unit of its own does not give them
     let g = logged(8192.0, 1.0 / 0.37);
     assert_eq!(of(&g, "alpha1").per_turn, None);
-    assert!(g.questions.iter().any(|q| q.contains("how many counts")), "{:?}", g.questions);
+    assert!(g.questions.iter().any(|q| q.text.contains("how many counts")), "{:?}", g.questions);
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn speeds_that_lost_their_sign_beside_their_set_points_are_asked_for() {
             column("right_pwm", |t| f64::abs(speed(t))),
             column("left_pwm", |t| f64::abs(speed(t))),
         ]);
-        g.questions.iter().any(|q| q.contains("a magnitude?"))
+        g.questions.iter().any(|q| q.text.contains("a magnitude?"))
     };
     assert!(asks(f64::abs) && !asks(|w| w));
 }
@@ -128,7 +128,8 @@ fn an_effort_within_one_beside_a_battery_may_be_a_share_of_it() {
             column(battery, |t| 7.4 - 0.01 * t),
         ])
     };
-    let asks = |g: &Guess| g.questions.iter().any(|q| q.contains("times = \"battery_voltage\""));
+    let asks =
+        |g: &Guess| g.questions.iter().any(|q| q.text.contains("times = \"battery_voltage\""));
     assert!(asks(&logged("battery_voltage", 0.9)));
     assert!(!asks(&logged("battery_voltage", 2.0)) && !asks(&logged("gyro_rate", 0.9)));
 }
@@ -143,7 +144,7 @@ fn numbers_of_a_few_volts_are_no_percent() {
             column(name[0], move |t| f(t.sin())),
             column(name[1], move |t| f(t.sin())),
         ]);
-        g.questions.join("\n")
+        g.asked()
     };
     assert!(logged(["motor_l", "motor_r"], |s| 6.19 * s).contains("volts, as assumed?"));
     assert!(logged(["pwm_l", "pwm_r"], |s| 6.19 * s).contains("is a share"));
@@ -168,7 +169,7 @@ fn speeds_beside_large_currents_are_not_in_milliamperes() {
     assert_eq!((of(&g, "M1").unit.as_deref(), of(&g, "M1").unit_open), (Some("mA"), false));
     // whole amperes up to 150 are as likely milliamperes
     let g = logged(150.0);
-    assert!(of(&g, "M2").unit_open && g.questions.iter().any(|q| q.contains("in A or mA?")));
+    assert!(of(&g, "M2").unit_open && g.questions.iter().any(|q| q.text.contains("in A or mA?")));
     assert!(!of(&logged(5.0), "M1").unit_open);
 }
 
@@ -186,7 +187,7 @@ fn torques_in_whole_numbers_are_asked_for() {
     // drives of CiA 402 send per mille of their rated torque
     let g = logged("torque_actual", 612.0);
     assert!(of(&g, "M1").unit_open && of(&g, "M2").unit_open, "{:?}", g.columns);
-    assert!(g.questions.iter().any(|q| q.contains("per mille of the rated torque")));
+    assert!(g.questions.iter().any(|q| q.text.contains("per mille of the rated torque")));
     assert!(!of(&logged("torque_actual", 5.0), "M1").unit_open);
     assert!(!of(&logged("torque_mNm", 612.0), "M1").unit_open);
 }
@@ -251,12 +252,12 @@ fn outputs_of_controllers_are_inputs_where_nothing_else_is() {
     ] {
         let g = log(&["rpm_r", "rpm_l", right, left], |t| 10.0 * speed(t));
         assert_eq!(of(&g, "M1").name, right, "{:?}", g.questions);
-        assert!(g.questions.join(" ").contains("is a share of the battery voltage"));
+        assert!(g.asked().contains("is a share of the battery voltage"));
         let g = log(&["rpm_r", "rpm_l", right, left, "amps_r", "amps_l"], speed);
         assert_eq!(of(&g, "M1").name, "amps_r");
     }
     let g = log(&["rpm_r", "rpm_l", "pwm_pct_r", "pwm_pct_l"], speed);
-    assert!(g.questions.join(" ").contains("with 100 for the full"), "{:?}", g.questions);
+    assert!(g.asked().contains("with 100 for the full"), "{:?}", g.questions);
     // of one axis a command, with the column of its direction
     let dir = column("dir", |t| speed(t).signum());
     let pwm = column("pwm_cmd", |t| speed(t).abs());
@@ -312,5 +313,5 @@ fn columns_that_all_go_with_each_other_are_said_to_be_no_slopes() {
     let constant = |name: &str, by: f64| column(name, move |t| by + 1e-3 * t);
     let g =
         guess(&[column("t", |t| t), constant("a", 1.0), constant("b", 2.0), constant("c", 3.0)]);
-    assert!(!g.questions.join(" ").contains("is the slope of"), "{:?}", g.questions);
+    assert!(!g.asked().contains("is the slope of"), "{:?}", g.questions);
 }

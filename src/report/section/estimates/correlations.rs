@@ -47,7 +47,7 @@ pub(super) fn figure(study: &Study, method: &MethodStudy) -> Option<Figure> {
     let mut figure = Figure::new("correlations", title)
         .with_subtitle(format!("Estimates of {}", words::method(study, method)))
         .with_caption(
-            "Correlations between the errors of the estimates. Near ±1 the data give only a \
+            "Correlations between the errors of the estimates. Near ±1 the data determine only a \
              combination of the two.",
         )
         .with_panel(Panel::new(Axis::unlabelled(), Axis::unlabelled()).with(Layer::HeatMap(map)));
