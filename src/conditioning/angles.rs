@@ -123,7 +123,7 @@ fn explained(values: &[f64], steps: &[(usize, f64)]) -> (Vec<Kind>, Vec<(usize, 
     (lasting.iter().map(kind).collect(), lasting)
 }
 
-/// Whether the angle stays where the step brought it; a wrong sample returns.
+/// Whether the angle stays at its value after the step; after a wrong sample it returns.
 fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
     let before = median_high(values[k.saturating_sub(AROUND)..k].iter().copied());
     let after = median_high(values[k..(k + AROUND).min(values.len())].iter().copied());

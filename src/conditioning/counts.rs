@@ -324,7 +324,7 @@ mod tests {
         let encoders = Encoders::Known(common_encoders(found.into_iter()).unwrap());
         super::angles(&mut fast, &Settings::default(), &Context { encoders, ..Context::default() });
         assert!(fast.channels.omega.is_none());
-        // speeds that are on no such grid stay, and so do all where one recording cannot be counts
+        // speeds on no such grid are unchanged, and so are all if one recording cannot be counts
         let mut exact = shaking(|a| a / COUNT);
         super::angles(
             &mut exact,

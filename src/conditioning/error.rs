@@ -10,9 +10,9 @@ pub enum ConditioningError {
     Dead {
         /// Right or left.
         wheel: &'static str,
-        /// Where it stays.
+        /// Its constant value.
         value: f64,
-        /// How many rows it stays there.
+        /// Number of rows with it.
         rows: usize,
     },
     /// An input without sign.

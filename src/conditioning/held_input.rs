@@ -24,7 +24,7 @@ use crate::recording::refreshed;
 const BETWEEN: f64 = 0.5;
 /// Number of standard errors for a significant response.
 const SURE: f64 = 4.0;
-/// Share of the rows in which both inputs must have new values together.
+/// Share of the rows in which both inputs, or neither, must have a new value.
 const TOGETHER: f64 = 0.95;
 
 /// Brings the recording to the rows of an input that was sampled more slowly than the sensors.

@@ -27,7 +27,7 @@ pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
     if c.alpha.is_none() || c.omega.is_none() || !exchanged_speeds(&windows(work)) {
         return;
     }
-    // the pair on which the inputs act as they should stays
+    // the pair that is consistent with the inputs is unchanged
     let swapped = |rows: &Option<Vec<[f64; 2]>>| {
         rows.as_ref().map(|rows| rows.iter().map(|v| [v[1], v[0]]).collect::<Vec<_>>())
     };

@@ -15,8 +15,8 @@ pub const SYMBOL: &str = "input_shift";
 /// ```text
 /// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom)
 /// ```
-/// It is fitted along with every model, so that a wrong time base is not taken for physics, nor physics for
-/// a wrong time base.
+/// It is fitted with every model, so that a wrong time base is not attributed to physics, nor physics to a
+/// wrong time base.
 #[derive(Clone, Debug)]
 pub(super) struct InputTiming {
     /// Smallest and largest shift \[s\].

@@ -37,7 +37,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Share of what can be explained that is left: 0 at the floor, 1 where nothing was gained.
+    /// Remaining share of the error above the floor: 0 at the floor, 1 without any reduction.
     ///
     /// ```text
     /// x = (V_after - V_floor) / (V_before - V_floor)

@@ -23,7 +23,8 @@ impl Physics for ActuatorDelay {
             equation: "M(t) = recorded M(t - delay)".into(),
             cause: "bus and controller cycles between the recording and the motor".into(),
             signature: "residual torque in proportion to the rate of change of the torque".into(),
-            excitation: "quick changes of the torque (a delay below about 8 ms looks like a lag)".into(),
+            excitation: "quick changes of the torque (a delay below about 8 ms looks like a lag)"
+                .into(),
             equivalent: vec![],
         }
     }

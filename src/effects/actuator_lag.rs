@@ -29,7 +29,8 @@ impl Physics for ActuatorLag {
             cause: "motor inductance, current loop, a low-pass filter between recording and wheel"
                 .into(),
             signature: "residual torque in proportion to the rate of change of the torque".into(),
-            excitation: "quick changes of the torque (a lag below about 8 ms looks like a delay)".into(),
+            excitation: "quick changes of the torque (a lag below about 8 ms looks like a delay)"
+                .into(),
             equivalent: vec![],
         }
     }

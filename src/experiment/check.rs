@@ -86,7 +86,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
     if let Some(timing) = plan.timing {
         let advice = match timing.is_late() {
             false => String::new(),
-            true if plan.diagnosis.is_some() => ": the diagnosis decides what it is".to_owned(),
+            true if plan.diagnosis.is_some() => ": the diagnosis determines its cause".to_owned(),
             true => format!(": {}", dead_time_advice()),
         };
         let _ = writeln!(out, "  dead time   {}{advice}", dead_time(&timing));

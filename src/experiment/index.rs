@@ -45,7 +45,7 @@ struct Found {
 #[derive(Deserialize)]
 struct Best {
     grade: Option<Grade>,
-    /// Number of runs, and of what.
+    /// Number of runs, and their kind.
     runs: String,
     #[serde(flatten)]
     errors: Errors,

@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(split(&[s, s, s, s, t, t]).0, [true, false, false, true, false, true]);
         let (validation, said) = split(&[s, s, t]);
         assert_eq!(validation, [false, true, false]);
-        assert!(said[0].contains("turning on the spot: it is fitted"), "{said:?}");
+        assert!(said[0].contains("turning on the spot: it is used for training"), "{said:?}");
         assert_eq!(split(&[s]), (vec![false], vec![]));
         assert!(split(&[s, t]).1[2].contains("no recording is left"));
     }

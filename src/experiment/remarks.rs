@@ -81,7 +81,8 @@ mod tests {
     fn a_length_that_the_movement_does_not_take_is_named() {
         let text = "[simulation]\nmovement = \"paper\"\nduration_s = 60.0\n";
         assert!(
-            said(text).starts_with("simulation.duration_s has no effect: the movement is \"pap")
+            said(text)
+                .starts_with("simulation.duration_s has no effect, because the movement is \"pap")
         );
         assert!(
             said("[simulation]\nmovement = \"paper\"\n[grid]\nduration_s = [4, 8]\n")
@@ -97,7 +98,7 @@ mod tests {
     fn a_fuzzy_method_that_is_fitted_at_another_gain_is_named() {
         let method = "[[method]]\nname = \"fuzzy_anfis\"\n";
         let zero = "[emulator]\ngain = 0.0\n";
-        assert!(said(&format!("{zero}{method}")).contains("not to fit, fuzzy_anfis: "));
+        assert!(said(&format!("{zero}{method}")).contains("the evaluation only: fuzzy_anfis is"));
         assert_eq!(said(&format!("{zero}{method}gain = 0.0\n")), "");
         assert_eq!(said(&format!("[emulator]\ngain = 2\n{method}")), "");
         assert_eq!(said(&format!("[emulator]\npoles = [-1.0, -2.0]\n{method}")), "");

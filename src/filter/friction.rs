@@ -39,7 +39,7 @@ pub(super) struct Friction {
 
 impl Friction {
     /// Friction of these levels [N m] over a step of `h` \[s\] that begins at speeds `omega` [rad/s] of these
-    /// `variances` along the directions; `mobility` is the inverse mass (m11, m12, m22) of what it brakes.
+    /// `variances` along the directions; `mobility` is the inverse mass (m11, m12, m22) of the braked body.
     #[inline]
     pub(super) fn over(
         h: f64,

@@ -179,7 +179,7 @@ impl<'a> HorizonFilter<'a> {
     }
 }
 
-/// Pieces of about 5 s, in equal parts of what lies between gaps: recording and rows.
+/// Pieces of about 5 s, equal parts of the rows between gaps: recording and rows.
 pub(crate) fn pieces(recordings: &[&Recording]) -> Vec<(usize, Range<usize>)> {
     let mut out = vec![];
     for (r, recording) in recordings.iter().enumerate() {

@@ -287,7 +287,7 @@ impl WeakForm {
         group.covariance(values)
     }
 
-    /// The larger of what the noise explains and what blocks of residuals show.
+    /// The larger of the covariance due to noise and that from blocks of residuals.
     fn covariance(&self, sums: &Sums, rows: usize) -> DMatrix<f64> {
         let width = sums.right.len();
         let excess = (sums.square / (rows - width) as f64).max(f64::MIN_POSITIVE);

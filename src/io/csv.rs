@@ -183,7 +183,7 @@ fn units_below(below: &[Vec<u8>], separator: char, columns: usize) -> Option<(us
     Some((lines, below[..lines].iter().find_map(units)?))
 }
 
-/// The units of a line that holds units and no number: `s,rpm,,mNm`.
+/// The units of a line that contains units and no numbers: `s,rpm,,mNm`.
 fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
     let text = str::from_utf8(line).ok()?.trim_end_matches(['\r', '\n']);
     let cells = split(text, separator).into_iter();

@@ -39,7 +39,7 @@ pub enum IoError {
     },
     /// The first line is data.
     #[error(
-        "{file}: the first line holds numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2, or name the {count} columns by their place: columns = {{ t = \"column1\", … }}"
+        "{file}: the first line contains numbers where the names of the columns are expected (a line that starts with # is a comment); write a header, for example t,dalpha1,dalpha2,M1,M2, or name the {count} columns by their place: columns = {{ t = \"column1\", … }}"
     )]
     NoHeader {
         /// As the user named it.
@@ -49,7 +49,7 @@ pub enum IoError {
     },
     /// A text of no form that is read.
     #[error(
-        "{file}{}: this text was not understood: no column of it holds numbers. Expected a header and rows of numbers between commas, semicolons, tabs or spaces, or lines such as `l: 134 r: -5`, `l=134,r=-5`, `L 44.1rpm | R 43.9rpm`, `STATE:1,2,3` or JSON; leave out other lines or write a table (docs/files.md lists all forms)", first_line(line.as_ref())
+        "{file}{}: this text was not understood: no column of it contains numbers. Expected a header and rows of numbers between commas, semicolons, tabs or spaces, or lines such as `l: 134 r: -5`, `l=134,r=-5`, `L 44.1rpm | R 43.9rpm`, `STATE:1,2,3` or JSON; leave out other lines or write a table (docs/files.md lists all forms)", first_line(line.as_ref())
     )]
     NotUnderstood {
         /// As the user named it.
@@ -161,7 +161,7 @@ pub enum IoError {
         /// Offset in SI.
         offset: f64,
     },
-    /// A sum of what does not add up.
+    /// A sum of quantities that cannot be added.
     #[error("columns.{column}.plus: {reason}")]
     Sum {
         /// Contract column.
@@ -169,7 +169,7 @@ pub enum IoError {
         /// The error, and the remedy.
         reason: String,
     },
-    /// A direction of what has none, or what says it without a column.
+    /// A direction for a quantity without one, or its values without a column.
     #[error(
         "column {column}: `sign` names the column with the direction of a speed or an input (dalpha1, dalpha2, M1, M2), and `backward` its content for negative values: {{ name = \"pwmL\", sign = \"dirL\", backward = \"0\" }}"
     )]
@@ -275,7 +275,7 @@ pub enum IoError {
     },
     /// Signals that have no time in common.
     #[error(
-        "{file}: `{late}` begins after the last value of `{early}`, so no row holds both; name other columns"
+        "{file}: `{late}` begins after the last value of `{early}`, so no row contains both; name other columns"
     )]
     Apart {
         /// As the user named it.

@@ -44,7 +44,7 @@ pub fn read_text(path: &Path) -> Result<String, IoError> {
     fs::read_to_string(path).map_err(|e| IoError::system(path, &e))
 }
 
-/// The names of what lies in a folder, in no order; none where there is no folder.
+/// The names of the entries of a folder, in no order; none if there is no folder.
 #[must_use]
 pub fn file_names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();

@@ -180,7 +180,7 @@ fn signed(bytes: &mut Bytes) -> Result<i64, Damage> {
     Ok((value >> 1) as i64 ^ -((value & 1) as i64))
 }
 
-/// A length that what is left can hold.
+/// A length that fits in the remaining bytes.
 fn length(bytes: &mut Bytes, what: &str) -> Result<usize, Damage> {
     let value = varint(bytes)?;
     let left = bytes.left();

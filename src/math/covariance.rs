@@ -82,7 +82,7 @@ pub fn raise_errors(covariance: &mut DMatrix<f64>, errors: &DVector<f64>) {
     covariance.component_mul_assign(&(&stretch * stretch.transpose()));
 }
 
-/// Correlations of a covariance, row by row: `C_ij / sqrt(C_ii C_jj)`, no number where a variance is zero or infinite.
+/// Correlations of a covariance, row by row: `C_ij / sqrt(C_ii C_jj)`, NaN if a variance is zero or infinite.
 #[must_use]
 pub fn correlations(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let n = covariance.nrows();

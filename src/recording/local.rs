@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// A wheel that the steps of a held input accelerate by turns, at 20 Hz.
+    /// A wheel accelerated and braked in turn by the steps of a held input, at 20 Hz.
     fn stepped(alpha: bool, omega: bool) -> (Recording, Vec<f64>) {
         let (h, mut at, mut w) = (0.05, 0.0, 3.0);
         let (mut angles, mut speeds) = (vec![], vec![]);

@@ -76,6 +76,6 @@ mod tests {
             of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms")
                 && of(-0.0038, 0.0).contains("not corrected")
         );
-        assert!(of(0.0002, 0.0).ends_with("not distinguished from none"));
+        assert!(of(0.0002, 0.0).ends_with("not significantly different from zero"));
     }
 }

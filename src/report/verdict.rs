@@ -224,7 +224,7 @@ mod tests {
         let formula =
             FormulaStudy { id: "pile".into(), window_rms: 1.04, ..FormulaStudy::default() };
         // with the formula no effect of the catalogue is likely
-        let lowers = "A formula for this dependence (pile) lowers the 2 s simulation error to 1.04 rad/s, the noise floor.";
+        let lowers = "A formula for this dependence (pile) lowers the 2 s simulation error to 1.04 rad/s, at the noise floor.";
         let stated = DiagnosisStudy { formula: Some(formula), ..stated };
         assert_eq!(sentence(&stated), format!("{error} {depends} {lowers}"));
         assert_eq!(stated.likely(), None);

@@ -5,7 +5,7 @@
 pub enum Undetermined {
     /// The columns do not: they are others than those of wheels and of their input.
     Columns,
-    /// The larger part of the inertias may be made of what the input does between its rows.
+    /// The larger part of the inertias may be due to the unknown input between the rows.
     BetweenRows {
         /// Largest share of them.
         share: f64,

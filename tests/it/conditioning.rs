@@ -280,7 +280,7 @@ fn words_above_the_table_are_passed_over_and_columns_without_names_are_asked_for
     folder.write("b.toml", file);
     folder.run(&["check", "b.toml"]).says(0, &["600 samples"]);
     folder.write("e.toml", on("b.csv"));
-    folder.run(&["check", "e.toml"]).says(2, &["the first line holds numbers", "column1"]);
+    folder.run(&["check", "e.toml"]).says(2, &["the first line contains numbers", "column1"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Lags of speeds against the truth that made them.
+//! Lags of speeds against the true values of synthetic data.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

@@ -107,7 +107,7 @@ fn missing_words(
     let Some(of) = parts.iter().map(|part| part.of()).max_by_key(|of| count(*of)) else {
         let run = command("--shard I/N", grid, options);
         return format!(
-            "holds no part of the {all} combinations; run `{run}` for every I from 1 to N, or \
+            "contains no part of the {all} combinations; run `{run}` for every I from 1 to N, or \
              copy the parts into this folder"
         );
     };

@@ -138,7 +138,7 @@ impl Direction {
         let values = distinct(&self.values);
         let (low, high) = (values.first()?, values.last()?);
         if *low < 0.0 && *high > 0.0 {
-            return Some((None, format!("`{}` holds its sign", self.name)));
+            return Some((None, format!("`{}` contains its sign", self.name)));
         }
         let by = |back: &f64, why: &str| {
             Some((

@@ -64,8 +64,8 @@ fn beside<'a>(all: &'a [Candidate], one: &Guessed) -> Vec<&'a Candidate<'a>> {
     all.iter().filter(is_beside).collect()
 }
 
-/// Adds the torques or currents of the other motors of each side to those that were found; of angles and speeds the pair
-/// that was found stays, and a voltage is the same for all motors of a side.
+/// Adds the torques or currents of the other motors of each side to those found; of angles and speeds the pair that
+/// was found is kept, and a voltage is the same for all motors of a side.
 pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Guess) {
     let adds_up = guess.drive_unit != DriveUnit::Volt;
     let beside: Vec<Vec<&Candidate>> = guess
@@ -90,8 +90,8 @@ pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Gue
             let unlike = others.iter().find(|c| !is_alike(columns, one, c));
             questions.extend(unlike.filter(|_| one.key.ends_with('1')).map(|c| {
                 format!(
-                    "`{}` and `{}` do not turn alike: are they wheels of one side? The model has one speed for each side; of an \
-                     omnidirectional drive it is none",
+                    "`{}` and `{}` do not turn at the same speed: are they wheels of one side? The model \
+                     has one speed for each side and does not describe an omnidirectional drive",
                     one.name, c.column.name
                 )
             }));
@@ -157,7 +157,9 @@ mod tests {
         assert_eq!(found(&g, "dalpha2").name, "front_left_joint.velocity");
         assert_eq!(found(&g, "M1").plus, ["rear_right_joint.effort"]);
         assert_eq!(found(&g, "M2").plus, ["rear_left_joint.effort"]);
-        let asks = |g: &Guess| g.questions.iter().any(|q| q.text.contains("do not turn alike"));
+        let asks = |g: &Guess| {
+            g.questions.iter().any(|q| q.text.contains("do not turn at the same speed"))
+        };
         assert!(!asks(&g) && asks(&log(&|t| -speed(t))), "{:?}", g.questions);
     }
 

@@ -200,7 +200,7 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
     words.remove(number).parse().ok().map(Side::Numbered)
 }
 
-/// A letter that stands for a quantity of a wheel.
+/// A letter that denotes a quantity of a wheel.
 fn is_short(letter: &str) -> bool {
     matches!(letter, "w" | "v" | "i" | "u" | "m" | "q")
 }

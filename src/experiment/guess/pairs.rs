@@ -13,7 +13,7 @@ const NO_MOTORS: [&str; 7] = ["x", "y", "z", "d", "q", "p", "i"];
 const WHEELS: [&str; 4] = ["wheel", "wheels", "drive", "traction"];
 /// Words for the shaft after a gear, which turns with the wheel.
 const SHAFTS: [&str; 5] = ["output", "shaft", "gearbox", "load", "axle"];
-/// Words of the motor that is meant where one current is that of the battery.
+/// Words of the motor, used if another current is that of the battery.
 const MOTORS: [&str; 5] = ["motor", "wheel", "wheels", "drive", "mot"];
 
 /// What is written where several motors drive a side.
@@ -35,9 +35,10 @@ impl<'a, 'b> Pairs<'a, 'b> {
         Self { all, questions: vec![], are_several: false }
     }
 
-    /// The columns of a quantity at the right and the left wheel: two names that differ in the side only, those of
-    /// what was measured before those of what was wished, sides before numbers, wheels before other words, the
-    /// fewest words first, then those with a unit, and the slower of two in a constant ratio. Of more wheels than two, and of speeds and angles that were wished alone, it is asked.
+    /// The columns of a quantity at the right and the left wheel: two names that differ in the side only; measured
+    /// values before set-points, sides before numbers, wheels before other words, the fewest words first, then those
+    /// with a unit, and the slower of two in a constant ratio. With more than two wheels, and with set-points only of
+    /// speeds or angles, a question is asked.
     pub(super) fn of(
         &mut self,
         quantity: Quantity,
@@ -209,8 +210,8 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// The one column of a quantity, for both wheels: that of a wheel, else of a motor, with the fewest other words. What was
-/// wished comes last, and is never the motion.
+/// The one column of a quantity, for both wheels: that of a wheel, else of a motor, with the fewest other words.
+/// Set-points come last, and are never used as the motion.
 pub(super) fn one(
     all: &[Candidate],
     quantity: Quantity,

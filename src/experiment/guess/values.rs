@@ -203,7 +203,7 @@ fn no_time(period_open: bool) -> Question {
     let text = if period_open {
         "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
     } else {
-        "which column holds the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
+        "which column contains the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
     };
     Question { about: About::Period, text: text.into() }
 }
@@ -336,7 +336,7 @@ fn angle(values: &[f64], one: &mut Guessed) {
 fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
-        "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
+        "this log contains no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
          dynamics cannot be found"
             .into()
     } else {

@@ -125,7 +125,7 @@ fn walk<S: Simd, const N: usize, const M: usize>(
         for m in 0..M {
             for i in 0..2 {
                 let e = w[m][i] - piece.omega[k][i];
-                // what is no number is not within the limit either
+                // NaN is not within the limit either
                 let inside = w[m][i].abs().below(limit);
                 sums[m] = inside.select(sums[m] + e * e * weight, beyond);
             }

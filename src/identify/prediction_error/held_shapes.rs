@@ -90,7 +90,7 @@ mod tests {
             with_shapes_of(&fit, &mut regression, &task);
             regression
         };
-        // a robot that always drives loses to friction what a dead zone does not take: a4 + d is what the data tell
+        // on a robot that always drives, friction and dead zone are equivalent: only a4 + d is identifiable
         let found = with(0.01);
         for k in [3, 4] {
             let error = found.estimates[k].std_error;

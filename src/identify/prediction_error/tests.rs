@@ -1,4 +1,4 @@
-//! The default method against known truths.
+//! The default method against known true values.
 
 use rand::SeedableRng;
 use rand_distr::Distribution;

@@ -247,7 +247,7 @@ fn files_without_data_are_named() {
     assert!(refused(HEADER).contains("no row of data below it"));
     assert!(refused(lines(1).join("\n")).contains("1 samples; at least 10"));
     assert!(refused(lines(2).join("\n")).contains("2 samples; at least 10"));
-    assert!(refused(lines(40)[1..].join("\n")).contains("the first line holds numbers"));
+    assert!(refused(lines(40)[1..].join("\n")).contains("the first line contains numbers"));
     let folder = tempfile::tempdir().unwrap();
     let read = |p: &Path| {
         read_recording(p, &ColumnMap::default(), DriveUnit::Volt).unwrap_err().to_string()

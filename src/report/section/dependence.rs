@@ -26,7 +26,7 @@ impl Section for Dependence {
 
     fn how_to_read(&self) -> &'static str {
         "The residual torque is the recorded input minus the torque that the model requires for the \
-         measured motion. A straight line over speed indicates viscous friction, a step at zero dry \
+         measured motion: a straight line over speed indicates viscous friction, a step at zero dry \
          friction, a wave over the heading an inclined floor or, as a resistance, the pile of a carpet."
     }
 

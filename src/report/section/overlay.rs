@@ -32,11 +32,11 @@ impl<'a> Overlay<'a> {
 
     /// The models with their names and styles, the last on top.
     fn models(&self) -> Vec<(&'a Performance, String, ColourRole, Dash)> {
-        let given = words::given(self.study).to_string();
+        let given = words::given(self.study);
         match self.completed {
             None => vec![(self.given, given, ColourRole::Model, Dash::Solid)],
             Some(completed) => {
-                let added = words::added(self.study).to_string();
+                let added = words::added(self.study);
                 vec![
                     (self.given, given, ColourRole::Given, Dash::Dashed),
                     (completed, added, ColourRole::Model, Dash::Solid),
@@ -126,7 +126,7 @@ impl<'a> Overlay<'a> {
                 format::significant(self.recording.rate_hz, 3)
             ))
             .with_caption(
-                "For each wheel: free simulation beside the measurement, and the residual (measured minus \
+                "For each wheel: measurement and free simulation, and the residual (measured minus \
                  simulated) of the 2 s simulations.",
             )
             .linked(LINK)

@@ -213,11 +213,11 @@ fn cautions(study: &Study) -> Vec<Block> {
     }
     if let Some(timing) = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late()) {
         let sentence = format!(
-            "The motion starts {} ms after the recorded input, later than logging explains; the fit has a delay of \
-             the input for it.",
+            "The motion starts {} ms after the recorded input, later than logging explains; the fit \
+             represents it as an input delay.",
             format::fixed(1e3 * timing.dead_time_s, 1)
         );
-        notice(sentence, "A diagnosis tells a delay from a lag of the actuator.");
+        notice(sentence, "A diagnosis distinguishes an input delay from an actuator lag.");
     }
     let found = study.findings().len();
     if found > 0 {

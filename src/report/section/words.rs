@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn effects_outside_the_catalogue_keep_their_id() {
-        assert_eq!(effect("cubic_friction"), "cubic friction");
+        assert_eq!(effect("cubic_friction"), "Cubic friction");
         assert_eq!(effect_in_text("viscous_friction"), "viscous friction");
         assert_eq!(effect_in_text("coulomb_friction"), "Coulomb friction");
         assert!(!meaning("a1").is_empty());

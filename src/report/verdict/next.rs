@@ -4,8 +4,8 @@ use super::effects::title;
 use crate::report::format;
 use crate::study::{Advice, DiagnosisStudy};
 
-/// Probability of the right decision from which an experiment is worth its time: the usual power of a test (Cohen,
-/// Statistical Power Analysis, 1988).
+/// Smallest probability of the right decision for which an experiment is recommended: the usual power of a test
+/// (Cohen, Statistical Power Analysis, 1988).
 const POWER: f64 = 0.8;
 
 /// The recommended next step or recording, with the manoeuvre written for it; `None` if no recording is

@@ -170,7 +170,9 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             format!("{name} never changes its sign although its wheel is driven both ways")
         }
         Kind::RestOffset { mean, std_error } => {
-            format!("{name} is {mean:.5} ± {std_error:.5} while the robot stands before it starts")
+            format!(
+                "{name} is {mean:.5} ± {std_error:.5} while the robot is at rest before it starts"
+            )
         }
         Kind::RestNoise { sigma, time_s } => format!(
             "{name} fluctuates by {sigma:.5} (RMS) with a correlation time of {} while the robot stands still",

@@ -1,5 +1,5 @@
-//! The sentences of typed results: of findings, of what the check of the recordings noticed, and of the notes of a fit.
-//! The verdict has its own file, since it is made from all of a diagnosis at once.
+//! The sentences of typed results: findings, issues of the check of the recordings, and notes of a fit. The verdict
+//! has its own file, since it is made from all of a diagnosis at once.
 
 mod finding;
 mod issue;

@@ -3,8 +3,8 @@
 use super::said::Quantity;
 use super::words::{LENGTHS, WEAK, is_quantity, take_quantity};
 
-/// Removes the unit from the end of the words. A single letter stays where another word names a quantity with
-/// other units: `a` of `speed_a` is a motor.
+/// Removes the unit from the end of the words. A single letter is kept if another word denotes a quantity
+/// with other units: `a` of `speed_a` is a motor.
 pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)> {
     let before = words.clone();
     // the letter of a motor and of a torque: only behind a length it is a unit

@@ -241,7 +241,7 @@ pub(in crate::experiment::guess) const MEASURED: [&str; 15] = [
     "real", "mes", "实际", "実", "測定",
 ];
 
-/// Words of the structures in which Simulink and scripts keep signals, whatever those are.
+/// Words of the structures in which Simulink and scripts store signals of any kind.
 const CONTAINERS: [&str; 8] =
     ["data", "values", "value", "signals", "out", "logsout", "simout", "log"];
 
@@ -284,7 +284,7 @@ pub(super) const LENGTHS: [&str; 7] =
 pub(super) const BATTERY: [&str; 8] =
     ["battery", "bat", "batt", "vbat", "vbatt", "bus", "supply", "vin"];
 
-/// The quantity and the word that says it.
+/// The quantity and the word that denotes it.
 pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {
     // a derivative: d alpha, wheel speed, alpha dot
     let dot = words.iter().any(|w| matches!(w.as_str(), "dot" | "d"));
@@ -308,13 +308,13 @@ pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String
     None
 }
 
-/// Whether a word says a quantity of a wheel, and no time.
+/// Whether a word denotes a quantity of a wheel, not a time.
 pub(super) fn is_of_wheel(word: &str) -> bool {
     let is_time = |q: Quantity| matches!(q, Quantity::Time | Quantity::Nanoseconds);
     QUANTITIES.iter().any(|(quantity, groups)| !is_time(*quantity) && is_among(groups, word))
 }
 
-/// Whether a word says a quantity.
+/// Whether a word denotes a quantity.
 pub(super) fn is_quantity(word: &str) -> bool {
     QUANTITIES.iter().any(|(_, groups)| is_among(groups, word))
 }
@@ -323,12 +323,12 @@ fn is_among(groups: &[&[&str]], word: &str) -> bool {
     groups.iter().any(|words| words.contains(&word))
 }
 
-/// Whether the word that says a speed, if any does, leaves its unit open.
+/// Whether the word that denotes a speed, if any, leaves its unit open.
 pub(in crate::experiment::guess) fn leaves_speed_open(word: &str) -> bool {
     matches!(word, "" | "v") || OPEN_SPEEDS.contains(&word)
 }
 
-/// Whether the word that says an angle, if any does, leaves its unit open.
+/// Whether the word that denotes an angle, if any, leaves its unit open.
 pub(in crate::experiment::guess) fn leaves_angle_open(word: &str) -> bool {
     word.is_empty() || SENSORS.contains(&word) || is_place(word)
 }

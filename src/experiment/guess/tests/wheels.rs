@@ -200,7 +200,7 @@ fn columns_that_hold_nothing_are_passed_over() {
     // nothing else is there
     let g = guess(&log[..5]);
     assert!(name_of(&g, "M1").is_none() && asked(&g, &["never change", "was the input"]));
-    assert!(asked(&guess(&log[..3]), &["this log holds no input"]));
+    assert!(asked(&guess(&log[..3]), &["this log contains no input"]));
 }
 
 #[test]
