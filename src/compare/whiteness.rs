@@ -103,15 +103,17 @@ fn fresh(r: &Recording) -> f64 {
 #[must_use]
 pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
     let auto = [0, 1].map(|i| -> Vec<f64> {
-        (0..=LAGS).map(|lag| correlation(&wheels[i].scaled, &wheels[i].scaled, lag)).collect()
+        (0..=LAGS)
+            .map(|lag| lagged_correlation(&wheels[i].scaled, &wheels[i].scaled, lag))
+            .collect()
     });
     let inputs = [0, 1].map(|i| -> Vec<f64> {
-        (0..=LAGS).map(|lag| correlation(&wheels[i].input, &wheels[i].input, lag)).collect()
+        (0..=LAGS).map(|lag| lagged_correlation(&wheels[i].input, &wheels[i].input, lag)).collect()
     });
     let cross = [0, 1].map(|i| -> Vec<f64> {
         let (e, u) = (&wheels[i].scaled, &wheels[i].input);
-        let early = (1..=LAGS).rev().map(|lag| correlation(e, u, lag));
-        early.chain((0..=LAGS).map(|lag| correlation(u, e, lag))).collect()
+        let early = (1..=LAGS).rev().map(|lag| lagged_correlation(e, u, lag));
+        early.chain((0..=LAGS).map(|lag| lagged_correlation(u, e, lag))).collect()
     });
     let count = |i: usize| wheels[i].scaled.iter().map(Vec::len).sum::<usize>() as f64;
     let z = normal_quantile(0.5 + 0.5 * LEVEL);
@@ -142,7 +144,7 @@ pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
 /// ```text
 /// r(lag) = Σ a(k) b(k + lag)/sqrt(Σ a² Σ b²)
 /// ```
-fn correlation(a: &[Vec<f64>], b: &[Vec<f64>], lag: usize) -> f64 {
+fn lagged_correlation(a: &[Vec<f64>], b: &[Vec<f64>], lag: usize) -> f64 {
     let mean = |x: &[Vec<f64>]| {
         x.iter().flatten().sum::<f64>() / x.iter().map(Vec::len).sum::<usize>() as f64
     };
@@ -216,10 +218,10 @@ mod tests {
     fn a_correlation_of_a_worked_example_is_its_sum() {
         // means 0: products at lag 1 are 1·(-1) + (-1)·2 + 2·(-2) = -7, squares 10
         let a = [vec![1.0, -1.0, 2.0, -2.0]];
-        assert!((correlation(&a, &a, 1) + 0.7).abs() < 1e-12);
+        assert!((lagged_correlation(&a, &a, 1) + 0.7).abs() < 1e-12);
         // no product across the end of a stretch
         let b = [vec![1.0, -1.0], vec![2.0, -2.0]];
-        assert!((correlation(&b, &b, 1) + 0.5).abs() < 1e-12);
+        assert!((lagged_correlation(&b, &b, 1) + 0.5).abs() < 1e-12);
     }
 
     #[test]

@@ -12,6 +12,7 @@ use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
 use super::jitter::by_number;
 use super::signal::{changes, is_increasing, median_high};
+use crate::math::Line;
 use crate::recording::REGULAR;
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
@@ -100,13 +101,9 @@ fn is_twice(work: &Conditioned) -> bool {
 /// than a tick. Those rows come less than a step after their stamp, the others up to a tick.
 fn at_one_rate(t: &[f64], ticks: &[Range<usize>], tick: f64) -> Option<Vec<f64>> {
     let changes = || ticks[1..].iter().map(|rows| (rows.start as f64, t[rows.start] - t[0]));
-    let count = changes().count() as f64;
-    let middle = changes().map(|(row, _)| row).sum::<f64>() / count;
-    let mean = changes().map(|(_, stamp)| stamp).sum::<f64>() / count;
-    let products: f64 = changes().map(|(row, stamp)| (row - middle) * (stamp - mean)).sum();
-    let slope = products / changes().map(|(row, _)| (row - middle).powi(2)).sum::<f64>();
-    let even: Vec<f64> = (0..t.len()).map(|k| t[0] + mean + slope * (k as f64 - middle)).collect();
-    let fits = slope > 0.0 && even.iter().zip(t).all(|(a, b)| (a - b).abs() <= tick);
+    let line = Line::through(changes());
+    let even: Vec<f64> = (0..t.len()).map(|k| t[0] + line.at(k as f64)).collect();
+    let fits = line.slope > 0.0 && even.iter().zip(t).all(|(a, b)| (a - b).abs() <= tick);
     fits.then_some(even)
 }
 

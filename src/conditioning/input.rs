@@ -4,6 +4,7 @@ use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{FEW_LEVELS, column, levels, quantile};
 use super::{Conditioned, Context, Settings};
+use crate::math::Moments;
 
 /// Share of the top speed above which a wheel counts as turning in one direction.
 const MOVING: f64 = 0.2;
@@ -104,9 +105,8 @@ fn rows_at_rest(work: &Conditioned) -> usize {
         let Some(signal) = signal else { continue };
         for values in [0, 1].map(|i| column(signal, i)) {
             let first = &values[..AT_REST];
-            let mean = first.iter().sum::<f64>() / AT_REST as f64;
-            let square = first.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-            let deviation = (square / (AT_REST - 1) as f64).sqrt();
+            let Moments { count, mean, variance } = Moments::of(first.iter().copied());
+            let (square, deviation) = ((count - 1.0) * variance, variance.sqrt());
             let near = |v: &&f64| (**v - mean).abs() <= STILL * deviation;
             rest = rest.min(values.iter().take_while(near).count());
             // a steady drive is no rest
@@ -133,9 +133,8 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
     let mut found = Vec::new();
     for i in 0..2 {
         let still = column(&c.torque[..rows], i);
-        let mean = still.iter().sum::<f64>() / rows as f64;
-        let square = still.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
-        let std_error = (square / (rows - 1) as f64 / rows as f64).sqrt();
+        let sample = Moments::of(still.iter().copied());
+        let (mean, std_error) = (sample.mean, sample.std_error());
         let range = quantile(c.torque[rows..].iter().map(|m| m[i].abs()), 0.95);
         if mean.abs() > 5.0 * std_error
             && mean != 0.0

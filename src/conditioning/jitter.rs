@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_high, pieces};
 use super::{Conditioned, Settings};
+use crate::math::Moments;
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
 const LITTLE: f64 = 0.01;
@@ -143,13 +144,11 @@ fn is_smoother(values: &[[f64; 2]], t: &[f64], even: &[f64], pieces: &[Range<usi
             blocks.collect::<Vec<_>>()
         })
         .collect();
-    let m = differences.len() as f64;
     if differences.len() < BLOCKS {
         return false;
     }
-    let mean = differences.iter().sum::<f64>() / m;
-    let square: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
-    mean > 0.0 && mean * m.sqrt() > SURE * (square / (m - 1.0)).sqrt()
+    let sample = Moments::of(differences.iter().copied());
+    sample.mean > 0.0 && sample.mean > SURE * sample.std_error()
 }
 
 /// Squared error of row `k` against the cubic through its four neighbours, relative to that of white noise.

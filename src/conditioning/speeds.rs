@@ -22,7 +22,7 @@ pub use self::of_angle::common_share;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
-use crate::math::{NormalEquations, cumulative_trapezoid, robust_deviation};
+use crate::math::{Line, NormalEquations, cumulative_trapezoid, robust_deviation};
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
@@ -325,14 +325,8 @@ const AROUND: usize = 3;
 
 /// Slope of a line through the speeds.
 fn slope(t: &[f64], omega: &[[f64; 2]], rows: std::ops::Range<usize>, i: usize) -> f64 {
-    let n = rows.len() as f64;
-    let middle = rows.clone().map(|k| t[k]).sum::<f64>() / n;
-    let square: f64 = rows.clone().map(|k| (t[k] - middle).powi(2)).sum();
-    if square > 0.0 {
-        rows.map(|k| (t[k] - middle) * omega[k][i]).sum::<f64>() / square
-    } else {
-        0.0
-    }
+    let slope = Line::through(rows.map(|k| (t[k], omega[k][i]))).slope;
+    if slope.is_finite() { slope } else { 0.0 }
 }
 
 /// Drops the rows at the ends of pieces that have no speed of their time.

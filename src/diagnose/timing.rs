@@ -13,6 +13,7 @@ use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::windows::Windows;
 use crate::effects::Scale;
+use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
@@ -229,6 +230,6 @@ pub(super) fn over_windows<'a>(
 fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
     let free = fit.model.free();
     let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;
-    let step = quadratic.hessian.lu().solve(&-quadratic.gradient)?;
-    free.iter().position(|&k| k == j).map(|n| step[n])
+    let step = Information::new(&quadratic.hessian).solve(&quadratic.gradient);
+    free.iter().position(|&k| k == j).map(|n| -step[n])
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::loop_margins::{Margins, Plant, margins};
 use super::mechanics::{LeftOut, Mechanics};
 use crate::effects::{Motion, along};
-use crate::math::sgn;
+use crate::math::{Line, sgn};
 use crate::model::Model;
 
 /// Feedforward `u = kS sgn(v) + kV v + kA dv/dt`; units of the input per m/s (rad/s for turning and wheels).
@@ -165,11 +165,8 @@ fn curve(model: &Model, p: &[f64], direction: [f64; 2], operation: &Operation) -
 
 /// Least-squares line kS + kV w through points (w, u).
 fn line(points: &[(f64, f64)]) -> (f64, f64) {
-    let n = points.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (w, u) = (mean(&|p| p.0), mean(&|p| p.1));
-    let slope = mean(&|p| (p.0 - w) * (p.1 - u)) / mean(&|p| (p.0 - w).powi(2));
-    (u - slope * w, slope)
+    let line = Line::through(points.iter().copied());
+    (line.at(0.0), line.slope)
 }
 
 /// PI by the SIMC rules and LQR by Bryson's rule for `kA dv/dt + kV v = u(t - θ)`.

@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::signal::{noise_variance, trimmed};
 use super::{Finding, Kind, Samples};
+use crate::math::fit;
 use crate::math::noise::fourth_difference_correlation;
 
 /// Half width of the filters in samples: one of a tenth of the Nyquist frequency, of second order and
@@ -81,7 +82,7 @@ pub(super) fn left(s: &Samples) -> Option<Left> {
     let step = |k: usize, j: usize| s.alpha[k + j + 1 - half] - s.alpha[k + j - half];
     let x = DMatrix::from_fn(rows.len(), 2 * half, |row, j| step(rows[row], j));
     let y = DVector::from_fn(rows.len(), |row, _| s.omega[rows[row]]);
-    let b = x.tr_mul(&x).cholesky()?.solve(&x.tr_mul(&y));
+    let b = fit(&x, &y, None).ok()?.coefficients;
     let errors = y - &x * &b;
     let freedom = rows.len() as f64 / (rows.len() - 2 * half) as f64;
     let left = freedom * trimmed(errors.iter().map(|e| e * e).collect());

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cell::Cell;
 use crate::experiment::combinations::GridPlan;
+use crate::math::mean;
 use crate::study::Grade;
 
 /// A run of an alternative.
@@ -104,11 +105,6 @@ impl Best {
         let (alike, all) = self.runs;
         format!("{}, {alike} of {all} runs", self.name)
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
-    sum / n
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::table::column_name;
 use crate::experiment::combinations::GridPlan;
 use crate::io::{IoError, TableColumn, group_rows};
 use crate::math::distribution::{chi2_quantile, normal_quantile};
+use crate::math::mean;
 
 /// Method whose reported variance is the proxy of the Cramér-Rao bound.
 const EFFICIENT: &str = "prediction_error";
@@ -154,11 +155,6 @@ fn bound(cell: &Cell, parameter: &str) -> Option<f64> {
     };
     let claims = || cell.rows.iter().filter(claimed);
     least(&mut claims().filter(|r| r.method == EFFICIENT)).or_else(|| least(&mut claims()))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
-    sum / n
 }
 
 fn summary(places: Vec<usize>, rows: &[(&Cell, &Row)], failures: usize) -> Summary {

@@ -2,6 +2,7 @@
 
 use super::cell::{Cell, Row};
 use super::competitors::Competitor;
+use crate::math::Moments;
 use crate::math::distribution::t_quantile;
 use crate::report::format;
 
@@ -57,10 +58,9 @@ pub(super) fn winner(competitors: &[Competitor]) -> Option<Winner> {
 }
 
 fn rival(name: &str, logs: &[f64], level: f64) -> Rival {
-    let n = logs.len() as f64;
-    let mean = logs.iter().sum::<f64>() / n;
-    let variance = logs.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let reach = t_quantile(1.0 - 0.5 * level, (n - 1.0).max(1.0)) * (variance / n).sqrt();
+    let sample = Moments::of(logs.iter().copied());
+    let (mean, freedom) = (sample.mean, (sample.count - 1.0).max(1.0));
+    let reach = t_quantile(1.0 - 0.5 * level, freedom) * sample.std_error();
     let interval = ((mean - reach).exp(), (mean + reach).exp());
     Rival { name: name.to_owned(), ratio: mean.exp(), interval, pairs: logs.len() }
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::Recording;
+use crate::math::Line;
 
 /// Means and slopes of the channels over a short window, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,15 +74,10 @@ pub(crate) fn windows_of(v: &View) -> Vec<Window> {
 
 fn window(v: &View, range: Range<usize>) -> Window {
     let t = &v.t[range.clone()];
-    let middle = t.iter().sum::<f64>() / t.len() as f64;
     let mean =
         |v: &[[f64; 2]]| [0, 1].map(|i| v.iter().map(|v| v[i]).sum::<f64>() / t.len() as f64);
-    let square: f64 = t.iter().map(|t| (t - middle).powi(2)).sum();
     let slope = |v: &[[f64; 2]]| {
-        // relative to the first value, so that large angles lose no digits
-        [0, 1].map(|i| {
-            t.iter().zip(v).map(|(t, x)| (t - middle) * (x[i] - v[0][i])).sum::<f64>() / square
-        })
+        [0, 1].map(|i| Line::through(t.iter().zip(v).map(|(t, x)| (*t, x[i]))).slope)
     };
     let omega = &v.omega[range.clone()];
     Window {
