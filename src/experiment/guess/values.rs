@@ -147,7 +147,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
         guess.questions.push("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?".into());
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.questions.push(input.unwrap_or_else(|| no_input(columns, guess)));
+        guess.questions.extend(input.or_else(|| no_input(columns, guess)));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         // rows of other lines in between have no value
@@ -332,19 +332,23 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// The question if no input was found; empty if no column is left.
-fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
+/// Question about columns of an input that never change.
+pub(super) const WAS_RECORDED: &str = "was the input of the motors recorded?";
+
+/// The question if no input was found; `None` if no column is left and one that never changes was asked for.
+fn no_input(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
-        "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
-         dynamics cannot be found"
-            .into()
+        let none = "this log holds no input: record the torques, currents or voltages of the motors (M1, M2), without \
+                    which the dynamics cannot be found";
+        let is_asked = guess.questions.iter().any(|asked| asked.ends_with(WAS_RECORDED));
+        (!is_asked).then(|| none.into())
     } else {
-        format!(
+        Some(format!(
             "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as \
              drive_unit; of voltages and PWM also hold = \"constant\" below it, and {} under [model]",
             effects_of(DriveUnit::Volt)
-        )
+        ))
     }
 }
 
