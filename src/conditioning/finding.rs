@@ -141,6 +141,19 @@ pub enum Kind<C = usize, R = f64> {
         /// The first of them.
         first: C,
     },
+    /// Stretches in which the sensors of a wheel are constant although its input must have moved it; left out.
+    Dead {
+        /// How many stretches.
+        stretches: C,
+        /// How many rows.
+        rows: C,
+        /// Begin of the first one \[s\].
+        from_s: R,
+        /// End of the first one \[s\].
+        to_s: R,
+        /// Whether the wheel may have been blocked: the input drives it in one direction only.
+        or_blocked: bool,
+    },
     /// Rows that repeat the sensors' last sample although the wheels move; late samples are moved to their
     /// rows.
     Stale {
@@ -225,6 +238,13 @@ pub enum Kind<C = usize, R = f64> {
     /// Speeds that are recorded so much later than the angles \[s\].
     Lag {
         /// Lag \[s\].
+        lag_s: R,
+        /// Its standard error \[s\].
+        std_error_s: R,
+    },
+    /// Speeds that lag the angles by another time than those of other recordings of the log; not corrected.
+    LagsDiffer {
+        /// Lag in this recording \[s\].
         lag_s: R,
         /// Its standard error \[s\].
         std_error_s: R,
@@ -330,6 +350,7 @@ impl Kind {
             Self::CoarseClock { tick_s, .. } => ("coarse_clock", tick_s, "s"),
             Self::Batches { rows } => ("batches", rows, "rows"),
             Self::Frozen { rows, .. } => ("frozen", rows as f64, "rows"),
+            Self::Dead { rows, .. } => ("dead", rows as f64, "rows"),
             Self::Stale { rows, .. } => ("stale", rows as f64, "rows"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
@@ -340,6 +361,7 @@ impl Kind {
             Self::Opposing => ("opposing", -1.0, "1"),
             Self::Exchanged => ("exchanged", 1.0, "1"),
             Self::Lag { lag_s, .. } => ("lag", lag_s, "s"),
+            Self::LagsDiffer { lag_s, .. } => ("lags_differ", lag_s, "s"),
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),

@@ -10,7 +10,7 @@
 //! channels   isolated wrong samples
 //! speeds     kept at rest | counts of an encoder | in another unit | of another sign | late | computed from the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
-//! sensors    that never move, refresh more slowly than the rows, or are coarse
+//! sensors    that never move, give no new value while driven, refresh more slowly than the rows, or are coarse
 //! ```
 //! Each finding states its treatment: corrected (with the key of `[conditioning]` that disables this),
 //! treated as noise or timing, only reported, or refused. Channels without faults are unchanged, bit by bit.
@@ -21,6 +21,7 @@ mod cells;
 mod clock;
 mod counterpart;
 mod counts;
+mod dead;
 mod error;
 mod finding;
 mod frozen;
@@ -41,7 +42,7 @@ pub use counts::{Encoder, Encoders, common_encoders};
 pub use error::ConditioningError;
 pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use settings::Settings;
-pub use speeds::{Lag, common_lag, common_share};
+pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};
 
 use crate::recording::Channels;
 
@@ -61,9 +62,8 @@ pub struct Context {
     pub wheel_radius: Option<f64>,
     /// Whether the input is a command (a voltage) and not measured.
     pub commanded: bool,
-    /// Delay of the speeds from other recordings of the same log, for a recording that is too short or too
-    /// slow to determine it.
-    pub speed_lag: Option<Lag>,
+    /// Delay of the speeds in the recordings of the same log.
+    pub speed_lag: SpeedLag,
     /// Residual share of speeds that were computed from the angles in other recordings of the same log
     /// ([`common_share`]); `None` if there are none.
     pub speeds_of_angles: Option<f64>,
@@ -115,7 +115,7 @@ pub fn condition(
     spikes::sensors(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);
-    sensors::still(&work, settings)?;
+    dead::stretches(&mut work, settings)?;
     speeds::timing(&mut work, settings, context);
     held_input::sampled(&mut work, settings, context);
     spikes::inputs(&mut work, settings, context);

@@ -1,34 +1,10 @@
-//! Sensors: those that never move, their refresh, their steps.
+//! Sensors: their refresh, their steps.
 
-use super::error::ConditioningError;
-use super::finding::{Action, Channel, Finding, Kind, WHEELS};
-use super::signal::{column, median_high, noise_variance, quantile};
-use super::{Conditioned, Settings};
+use super::Conditioned;
+use super::finding::{Action, Channel, Finding, Kind};
+use super::signal::{column, median_high, noise_variance};
 use crate::math::noise::quantum;
 use crate::recording::refreshed;
-
-/// Part of the other wheel's input from which on a wheel counts as driven as well.
-const DRIVEN: f64 = 0.5;
-
-/// Refuses a wheel whose sensors never change although it is driven like the other, which moves.
-pub(super) fn still(work: &Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
-    if !settings.refuse {
-        return Ok(());
-    }
-    let c = &work.channels;
-    let size = |i: usize| quantile(c.torque.iter().map(|m| m[i].abs()), 0.9);
-    let constant = |rows: Option<&Vec<[f64; 2]>>, i: usize| {
-        rows.is_none_or(|rows| rows.iter().all(|v| v[i] == rows[0][i]))
-    };
-    let dead = |i: usize| constant(c.alpha.as_ref(), i) && constant(c.omega.as_ref(), i);
-    for i in 0..2 {
-        if dead(i) && !dead(1 - i) && size(i) > DRIVEN * size(1 - i) && size(i) > 0.0 {
-            let value = c.alpha.as_ref().or(c.omega.as_ref()).map_or(0.0, |v| v[0][i]);
-            return Err(ConditioningError::Dead { wheel: WHEELS[i], value, rows: c.t.len() });
-        }
-    }
-    Ok(())
-}
 
 /// Reports the refresh interval of the sensors, and their quantisation steps.
 pub(super) fn refresh(work: &mut Conditioned) {

@@ -14,12 +14,15 @@
 //! ```
 //! So do those that any other linear filter made of them (`of_angle.rs`).
 
+mod lag;
 mod of_angle;
 
 use nalgebra::Vector2;
 
+pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
+use self::lag::{SMALL, SURE, pooled};
 pub use self::of_angle::common_share;
-use super::finding::{Channel, Finding, Kind};
+use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
 use super::{Conditioned, Context, Settings};
 use crate::math::{Line, NormalEquations, cumulative_trapezoid, robust_deviation};
@@ -28,11 +31,6 @@ use crate::math::{Line, NormalEquations, cumulative_trapezoid, robust_deviation}
 const WINDOW: (f64, usize) = (0.1, 4);
 /// Lags that are looked for \[s\], and in samples: filters of speeds reach back up to so far.
 const LONGEST: (f64, f64) = (0.25, 10.0);
-/// Standard errors from which on a lag is one: 1 in 2 million for noise of normal distribution.
-const SURE: f64 = 5.0;
-/// Share of a sample below which a lag is not significant: 1/sqrt(12), the standard deviation of an unknown
-/// sampling instant within a row.
-const SMALL: f64 = 0.289;
 /// Longest difference of angles that is looked for \[samples\].
 const SPAN: usize = 16;
 /// Part of the speeds' own noise that differences of the angles may leave: an own sensor leaves at
@@ -41,32 +39,12 @@ const SHARED: f64 = 0.25;
 /// A lag of more samples is not one of reading one sensor after the other, but of a filter or a
 /// message that came late.
 const SKEW: f64 = 1.5;
+/// Robust deviations beyond which a window is left out: jumps of the angle.
+const FAR: f64 = 8.0;
+/// Share of the changes of the speed that must agree with a lag: with less, it is not the lag of the motion.
+const INFORMED: f64 = 0.5;
 /// As exactly, up to this factor.
 const EXACT: f64 = 3.0;
-
-/// How much later than the angle a speed is recorded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lag {
-    /// Lag \[s\].
-    pub value: f64,
-    /// Its standard error \[s\].
-    pub std_error: f64,
-}
-
-/// The lag of the speeds that several recordings of one log have in common, from the findings of each;
-/// `None` where no recording shows one. One logger reads one sensor in one way.
-#[must_use]
-pub fn common_lag<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option<Lag> {
-    let shown = |findings: &[Finding]| {
-        findings.iter().find_map(|f| match f.kind {
-            Kind::Lag { lag_s, std_error_s } | Kind::Filtered { lag_s, std_error_s } => {
-                Some(Lag { value: lag_s, std_error: std_error_s })
-            }
-            _ => None,
-        })
-    };
-    pooled(&recordings.filter_map(shown).collect::<Vec<_>>())
-}
 
 /// A wheel's samples: the rows in which its sensors gave something new.
 struct Samples {
@@ -100,16 +78,26 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
         leave_out(work, settings, Kind::OfAngle { share });
         return;
     }
-    let lags: Vec<Lag> = samples.iter().filter_map(lag).collect();
-    let (own, step) = (pooled(&lags), samples[0].step);
-    let Some(lag) = own.filter(|l| l.is_sure(step)).or_else(|| shared(own, context.speed_lag))
-    else {
+    let lags: Vec<(Lag, bool)> = samples.iter().filter_map(lag).collect();
+    let of = |exact: bool| lags.iter().filter(move |l| l.1 || !exact).map(|l| l.0);
+    let [exact, own] = [true, false].map(|exact| pooled(&of(exact).collect::<Vec<_>>()));
+    let step = samples[0].step;
+    let others = match context.speed_lag {
+        SpeedLag::Known(lag) => Some(lag),
+        _ => None,
+    };
+    let sure = |lag: Option<Lag>| lag.filter(|l| l.is_sure(step));
+    let Some(lag) = sure(exact).or_else(|| shared(own, others)).or_else(|| sure(own)) else {
         return;
     };
     let Lag { value: lag_s, std_error: std_error_s } = lag;
     let spare = full_rate && samples.iter().all(|s| angles_suffice(s, lag_s));
     if lag_s.abs() > SKEW * step && spare {
         leave_out(work, settings, Kind::Filtered { lag_s, std_error_s });
+    } else if context.speed_lag == SpeedLag::Disputed {
+        let kind = Kind::LagsDiffer { lag_s, std_error_s };
+        let finding = |i| Finding { channel: Channel::Speed(i), kind, action: Action::Noted };
+        work.findings.extend([0, 1].map(finding));
     } else {
         for i in 0..2 {
             let kind = Kind::Lag { lag_s, std_error_s };
@@ -123,12 +111,6 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
         if settings.speeds {
             advance(work, lag_s, full_rate);
         }
-    }
-}
-
-impl Lag {
-    fn is_sure(&self, step: f64) -> bool {
-        self.value.abs() >= SURE * self.std_error && self.value.abs() >= SMALL * step
     }
 }
 
@@ -190,29 +172,45 @@ fn span(s: &Samples) -> Option<usize> {
     (own > 0.0 && least < SHARED * own).then_some(m)
 }
 
-/// Lag of a wheel's speed.
-fn lag(s: &Samples) -> Option<Lag> {
+/// Lag of a wheel's speed, and whether it is exact. Where the windows far off the others are those in which the speed changes, it
+/// is found from all of them, to the sampling instant within a row: few windows decide, in which no trapezoid is exact.
+fn lag(s: &Samples) -> Option<(Lag, bool)> {
     let way = integral(s);
     let windows = windows(s);
     if windows.len() < 20 {
         return None;
     }
+    let found = |far: f64| minimum(s, |lag| solve(s, &way, &windows, lag, far));
+    let (lag, is_exact) = match found(FAR) {
+        Some((lag, informed)) if informed > INFORMED => (lag, true),
+        _ => {
+            let Lag { value, std_error } = found(f64::INFINITY)?.0;
+            (Lag { value, std_error: std_error.hypot(SMALL * s.step) }, false)
+        }
+    };
+    // read after the angle, a speed leads it by less than a row
+    let is_possible = lag.value > -s.step - SURE * lag.std_error;
+    is_possible.then_some((lag, is_exact))
+}
+
+/// The lag of the least sum of squares, and the share of the changes of the speed that it was found from.
+fn minimum(s: &Samples, solve: impl Fn(f64) -> Option<Step>) -> Option<(Lag, f64)> {
     let longest = LONGEST.0.min(LONGEST.1 * s.step);
     let count = (2.0 * longest / s.step).ceil() as i32;
     let starts = (-count..=count).map(|j| 0.5 * f64::from(j) * s.step);
-    let cost = |lag: f64| solve(s, &way, &windows, lag).map_or(f64::INFINITY, |f| f.cost);
+    let cost = |lag: f64| solve(lag).map_or(f64::INFINITY, |f| f.cost);
     let start = starts.map(|l| (cost(l), l)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
     let mut value = start;
-    let mut last = solve(s, &way, &windows, value)?;
+    let mut last = solve(value)?;
     for _ in 0..20 {
         value += last.step.clamp(-s.step, s.step);
-        last = solve(s, &way, &windows, value)?;
+        last = solve(value)?;
         if last.step.abs() < 1e-3 * last.std_error {
             break;
         }
     }
-    let apart = (value - start).abs() <= s.step && last.std_error.is_finite();
-    apart.then_some(Lag { value, std_error: last.std_error })
+    let near = (value - start).abs() <= s.step && last.std_error.is_finite();
+    near.then_some((Lag { value, std_error: last.std_error }, last.informed))
 }
 
 /// Rows between which the motion is compared.
@@ -236,10 +234,12 @@ struct Step {
     /// Gauss-Newton step of the lag \[s\].
     step: f64,
     std_error: f64,
+    /// Share of the squared changes of the speed in the windows that are not left out: only they show a lag.
+    informed: f64,
 }
 
-/// Sum of squares at a lag, with the best g; windows far off all others are left out.
-fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64) -> Option<Step> {
+/// Sum of squares at a lag, with the best g; windows off by more than `far` deviations are left out.
+fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64, far: f64) -> Option<Step> {
     let at = |t: f64, k: usize| read(s, way, t, k);
     let row = |(a, b): &(usize, usize)| {
         let (from, to) = (at(s.t[*a] + lag, *a)?, at(s.t[*b] + lag, *b)?);
@@ -250,13 +250,15 @@ fn solve(s: &Samples, way: &[f64], windows: &[(usize, usize)], lag: f64) -> Opti
         ))
     };
     let rows: Vec<(f64, f64, f64)> = windows.iter().filter_map(row).collect();
-    let limit = 8.0 * robust_deviation(rows.iter().map(|(e, ..)| *e));
-    let used = rows.iter().filter(|(e, ..)| limit <= 0.0 || e.abs() <= limit);
+    let limit = far * robust_deviation(rows.iter().map(|(e, ..)| *e));
+    let used = rows.iter().filter(|(e, ..)| limit.is_nan() || limit <= 0.0 || e.abs() <= limit);
     let sums = NormalEquations::of(used.map(|(e, slope, way)| (Vector2::new(*slope, -way), *e)));
     let fit = sums.solve()?;
     let of_g = sums.right[1] * sums.right[1] / sums.matrix[(1, 1)];
     let cost = (sums.squares - of_g) / sums.rows.max(1) as f64;
-    Some(Step { cost, step: -fit.values[0], std_error: fit.std_error(0) })
+    let slopes: f64 = rows.iter().map(|(_, slope, _)| slope * slope).sum();
+    let informed = sums.matrix[(0, 0)] / slopes;
+    Some(Step { cost, step: -fit.values[0], std_error: fit.std_error(0), informed })
 }
 
 /// Integral and speed at a time near sample `k`.
@@ -267,16 +269,6 @@ fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
     let (h, share) = (s.t[next] - s.t[j], (t - s.t[j]) / (s.t[next] - s.t[j]));
     let omega = s.omega[j] + share * (s.omega[next] - s.omega[j]);
     Some((way[j] + 0.5 * share * h * (s.omega[j] + omega), omega))
-}
-
-/// Mean of the wheels' lags by their accuracy; none where they differ.
-fn pooled(lags: &[Lag]) -> Option<Lag> {
-    let weight = |l: &Lag| 1.0 / (l.std_error * l.std_error).max(1e-18);
-    let total: f64 = lags.iter().map(weight).sum();
-    let value = lags.iter().map(|l| weight(l) * l.value).sum::<f64>() / total;
-    let spread: f64 = lags.iter().map(|l| weight(l) * (l.value - value).powi(2)).sum();
-    let std_error = (spread.max(1.0) / total).sqrt();
-    (!lags.is_empty()).then_some(Lag { value, std_error })
 }
 
 /// Whether the angle determines the speed as accurately as its own channel, over a time no longer than the

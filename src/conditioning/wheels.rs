@@ -14,7 +14,7 @@ use super::input::speeds;
 use super::signal::{median_high, pieces};
 use super::{Conditioned, Settings};
 use crate::recording::{
-    View, Window, exchanged_input, exchanged_speeds, opposing_input, windows_of,
+    View, Window, exchanged_input, exchanged_speeds, opposing_input, short_windows_of, windows_of,
 };
 
 /// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
@@ -48,8 +48,7 @@ pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
 
 /// Assigns inputs to the wheel that they move, and reverses those that act against it.
 pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
-    let found = windows(work);
-    if exchanged_input(&found) {
+    if exchanged_input(&windows(work)) {
         for i in 0..2 {
             let channel = Channel::Input(i);
             let on = settings.exchanged;
@@ -60,6 +59,7 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
         }
         return;
     }
+    let found = windows_by(work, short_windows_of);
     let opposing: Vec<usize> = (0..2).filter(|i| opposing_input(&found, *i)).collect();
     for &i in &opposing {
         // of one wheel that turns against the other nearly always it is the sensors that count backwards
@@ -94,6 +94,10 @@ fn are_opposed(windows: &[Window]) -> bool {
 }
 
 fn windows(work: &Conditioned) -> Vec<Window> {
+    windows_by(work, windows_of)
+}
+
+fn windows_by(work: &Conditioned, windows_of: fn(&View) -> Vec<Window>) -> Vec<Window> {
     let c = &work.channels;
     let Some(omega) = speeds(work) else { return vec![] };
     let alpha = c.alpha.as_ref().unwrap_or(&omega);

@@ -51,10 +51,12 @@ impl Timing {
         self.correction_s == 0.0 && earliest > self.logging_s
     }
 
-    /// Whether another estimate of the dead time, with its standard error \[s\], agrees with this one.
+    /// Whether another estimate of the dead time, with its standard error \[s\], agrees with this one; one without a
+    /// finite error agrees within that of this one.
     #[must_use]
     pub fn agrees_with(&self, other_s: f64, std_error_s: f64) -> bool {
-        let error = self.std_error_s.hypot(std_error_s);
+        let own = if std_error_s.is_finite() { std_error_s } else { 0.0 };
+        let error = self.std_error_s.hypot(own);
         (other_s - self.dead_time_s).abs() <= THRESHOLDS.uncertain * error
     }
 }

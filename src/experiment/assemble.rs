@@ -123,6 +123,7 @@ pub(super) fn assembled(
         robot_is_given: true,
         own: vec![],
         sums: vec![],
+        assumed: None,
         remarks: no_track.into_iter().chain(opposed).collect(),
         model,
         recordings,

@@ -31,6 +31,9 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     for sum in &plan.sums {
         let _ = writeln!(out, "  input       {sum}");
     }
+    if let Some(units) = &plan.assumed {
+        let _ = writeln!(out, "  units       {units}");
+    }
     conditioning(&plan, &mut out);
     let robot = plan.model.robot();
     for warning in plan.remarks_and_findings() {

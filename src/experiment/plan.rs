@@ -55,6 +55,8 @@ pub struct Plan {
     pub own: Vec<Own>,
     /// Inputs that are the sum of several columns.
     pub sums: Vec<InputSum>,
+    /// Units that neither the file nor the names of the columns state, in a sentence.
+    pub assumed: Option<String>,
     /// Remarks on settings with unexpected consequences.
     pub remarks: Vec<Remark>,
     /// Recordings, at least one for training.

@@ -7,7 +7,7 @@ use super::error::{ExperimentError, Meaning, words};
 use super::robot_table::UNKNOWN;
 use super::source::MeasuredRecording;
 use crate::conditioning::{
-    Action, Channel, Context, Encoders, Finding, Kind, Lag, Settings, condition,
+    Action, Channel, Context, Encoders, Finding, Kind, Settings, SpeedLag, condition,
 };
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
@@ -37,7 +37,7 @@ pub struct Reading {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shown {
     /// A lag of the speeds.
-    pub(super) speed_lag: Option<Lag>,
+    pub(super) speed_lag: SpeedLag,
     /// Speeds that were computed from the angles.
     pub(super) speeds_of_angles: Option<f64>,
     /// The encoder behind speeds without angles.

@@ -9,9 +9,10 @@ use super::assemble::{assembled, candidates_are_known};
 use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
-    CandidatesEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry, MovementEntry,
-    NamedMovement, SimulationEntry,
+    CandidatesEntry, ColumnEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry,
+    MovementEntry, NamedMovement, SimulationEntry,
 };
+use super::guess::{assumed_unit, assumed_units};
 use super::plan::{DiagnosisPlan, InputSum, MeasuredRecording, MethodPlan, Plan, PlanOptions};
 use super::robot_table::{is_built, robot};
 use super::source::Source;
@@ -133,6 +134,7 @@ fn plan(
         file: text.to_string(),
         source: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
         sums: sums(file),
+        assumed: assumed(file),
         robot_is_given: file.robot.is_some(),
         own,
         of_paper: file.simulation.as_ref().is_some_and(is_of_paper),
@@ -150,6 +152,21 @@ fn sums(file: &ExperimentFile) -> Vec<InputSum> {
         columns: std::iter::once(&column.name).chain(&column.plus).cloned().collect(),
     })
     .collect()
+}
+
+/// The units in which columns are read although nothing states one.
+fn assumed(file: &ExperimentFile) -> Option<String> {
+    let recordings = file.recordings.as_ref()?;
+    let unit = |(key, column): (&String, &ColumnEntry)| {
+        let is_given = column.unit.is_some()
+            || column.scale.is_some()
+            || column.nanoseconds.is_some()
+            || column.period.is_some()
+            || column.torque_constant.is_some();
+        let unit = assumed_unit(key, &column.name, recordings.drive_unit)?;
+        (!is_given).then(|| (key.clone(), unit))
+    };
+    assumed_units(recordings.columns.iter().filter_map(unit))
 }
 
 /// The title; an empty one, as in a new file, is ignored.

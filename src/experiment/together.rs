@@ -7,9 +7,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use super::error::{ExperimentError, Meaning};
 use super::reading::{Reading, Shown};
 use super::source::MeasuredRecording;
-use crate::conditioning::{Encoders, Finding, common_encoders, common_lag, common_share};
+use crate::conditioning::{
+    Encoders, Finding, SpeedLag, common_encoders, common_lag, common_share, lags_differ,
+};
 use crate::recording::share_noise;
 use crate::study::Role;
+
+/// Ratio of standard errors from which on a lag of all recordings may stand in for that of one.
+const EXACT: f64 = 3.0;
 
 /// Where a recording comes from and how it is read, so that it can be read again once others have shown more of the
 /// logger.
@@ -128,17 +133,31 @@ fn settled(
             again(shown, &mut measured, &counts)?;
         }
     }
-    shown.speed_lag = common_lag(findings_of(&measured));
+    let whole = measured.iter().filter(|m| m.long.is_none());
+    let refresh =
+        |m: &MeasuredRecording| m.recording.step() * m.recording.rows_per_refresh() as f64;
+    if lags_differ(whole.map(|m| (m.conditioning.as_slice(), refresh(m)))) {
+        shown.speed_lag = SpeedLag::Disputed;
+        return again(shown, &mut measured, &|_| true).map(|()| with_noise(measured));
+    }
+    let lag = common_lag(findings_of(&measured));
+    shown.speed_lag = lag.map_or(SpeedLag::Unknown, SpeedLag::Known);
     shown.speeds_of_angles = common_share(findings_of(&measured));
-    if shown.speed_lag.is_some() || shown.speeds_of_angles.is_some() {
+    if lag.is_some() || shown.speeds_of_angles.is_some() {
         let shows = |findings: &[Finding]| {
-            common_lag([findings].into_iter()).is_some()
+            let own = common_lag([findings].into_iter());
+            own.zip(lag).is_some_and(|(own, lag)| own.std_error <= EXACT * lag.std_error)
                 || common_share([findings].into_iter()).is_some()
         };
         again(shown, &mut measured, &|findings| !shows(findings))?;
     }
+    Ok(with_noise(measured))
+}
+
+/// Gives short recordings the noise of the sensors of long ones.
+fn with_noise(mut measured: Vec<MeasuredRecording>) -> Vec<MeasuredRecording> {
     share_noise(&mut measured.iter_mut().map(|m| &mut m.recording).collect::<Vec<_>>());
-    Ok(measured)
+    measured
 }
 
 /// What was found in each recording that is held whole.

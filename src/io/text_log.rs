@@ -10,6 +10,7 @@ mod blocks;
 mod can;
 mod dataflash;
 mod decode;
+mod described;
 mod header;
 mod influx;
 mod keyed;

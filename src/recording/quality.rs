@@ -16,7 +16,7 @@ pub(crate) use issue::{RatioUnit, SHORT, SLOW, UnitError, is_full_turn};
 
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
 pub(crate) use excitation::{Lacking, lacking};
-pub(crate) use window::{View, Window, windows_of};
+pub(crate) use window::{View, Window, short_windows_of, windows_of};
 
 use super::Recording;
 use crate::robot::Robot;

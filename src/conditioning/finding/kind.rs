@@ -33,6 +33,13 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             }
             Self::Batches { rows } => Kind::Batches { rows: real(rows) },
             Self::Frozen { rows, first } => Kind::Frozen { rows: whole(rows), first: whole(first) },
+            Self::Dead { stretches, rows, from_s, to_s, or_blocked } => Kind::Dead {
+                stretches: whole(stretches),
+                rows: whole(rows),
+                from_s: real(from_s),
+                to_s: real(to_s),
+                or_blocked,
+            },
             Self::Stale { rows, first } => Kind::Stale { rows: whole(rows), first: whole(first) },
             Self::Wrapped { period_rad, turns } => {
                 Kind::Wrapped { period_rad: real(period_rad), turns: whole(turns) }
@@ -64,6 +71,9 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::Exchanged => Kind::Exchanged,
             Self::Lag { lag_s, std_error_s } => {
                 Kind::Lag { lag_s: real(lag_s), std_error_s: real(std_error_s) }
+            }
+            Self::LagsDiffer { lag_s, std_error_s } => {
+                Kind::LagsDiffer { lag_s: real(lag_s), std_error_s: real(std_error_s) }
             }
             Self::Filtered { lag_s, std_error_s } => {
                 Kind::Filtered { lag_s: real(lag_s), std_error_s: real(std_error_s) }

@@ -125,7 +125,7 @@ fn a_recording_too_short_to_show_its_lag_takes_that_of_the_others() {
     short.torque.truncate(rows);
     [&mut short.alpha, &mut short.omega].into_iter().flatten().for_each(|c| c.truncate(rows));
     assert_eq!(lag_of(&done(short.clone()).findings), None);
-    let context = Context { speed_lag: Some(common), ..Context::default() };
+    let context = Context { speed_lag: SpeedLag::Known(common), ..Context::default() };
     let together = condition(short, &Settings::default(), &context).unwrap();
     assert_eq!(lag_of(&together.findings), Some((common.value, common.std_error)));
     // a recording that shows that its speeds are in time keeps them
@@ -232,4 +232,59 @@ fn a_recording_that_cannot_show_it_follows_the_others_of_its_log() {
     smooth.omega = Some((0..angles.len()).map(|k| [speeds[0][k], speeds[1][k]]).collect());
     assert!(shown.is_some() && of(smooth).channels.omega.is_none());
     assert!(of(late(0.0, 0.02, 5)).channels.omega.is_some(), "a tachometer contradicts");
+}
+
+/// A motor that reaches its speed within two windows and stays there; speeds over 100 ms, sensors every 20 ms.
+fn step_response(tau: f64) -> Channels {
+    let t: Vec<f64> = (0..600).map(|k| 0.005 * f64::from(k)).collect();
+    let angle = |t: f64| {
+        let since = (t - 0.06).max(0.0);
+        360.0 * (since - tau * (1.0 - (-since / tau).exp()))
+    };
+    let read = |t: f64| (t / 0.02 + 1e-9).floor() * 0.02;
+    let printed = |x: f64| (1e6 * x).round() / 1e6;
+    let alpha = t.iter().map(|t| [printed(angle(read(*t))); 2]).collect();
+    let speed = |t: f64| (angle(read(t)) - angle(read(t) - 0.1)) / 0.1;
+    let omega = t.iter().map(|t| [printed(speed(*t)); 2]).collect();
+    Channels { torque: vec![[7.0; 2]; t.len()], alpha: Some(alpha), omega: Some(omega), t }
+}
+
+#[test]
+fn a_lag_is_that_of_the_windows_in_which_the_speed_changes() {
+    // 50 ms late; all that shows it is in two windows, far off the others at constant speed
+    let (lag, _) = lag_of(&done(step_response(0.018)).findings).unwrap();
+    // to the standard deviation of an unknown instant within a sample
+    assert!((lag - 0.05).abs() < 0.02 * SMALL, "{lag}");
+    // at constant speed nothing shows one, unless another recording does
+    let mut steady = step_response(0.018);
+    for c in [&mut steady.alpha, &mut steady.omega].into_iter().flatten() {
+        c.drain(..60);
+    }
+    steady.t.truncate(540);
+    steady.torque.truncate(540);
+    assert_eq!(lag_of(&done(steady).findings), None);
+}
+
+#[test]
+fn a_speed_does_not_lead_its_angle_by_more_than_a_row() {
+    for (lead, step) in [(0.025, 0.01), (0.06, 0.01)] {
+        let found = done(late_beside(-lead, 0.02, step, 1));
+        assert_eq!(lag_of(&found.findings), None, "{lead}");
+    }
+    let (lag, _) = lag_of(&done(late_beside(-0.006, 0.02, 0.01, 1)).findings).unwrap();
+    assert!((lag + 0.006).abs() < 1e-3, "{lag}");
+}
+
+#[test]
+fn recordings_that_contradict_each_other_are_not_corrected() {
+    let [one, same, other] = [(0.04, 1), (0.04, 2), (0.02, 3)]
+        .map(|(lag, seed)| done(late_beside(lag, 0.02, 0.01, seed)).findings);
+    let differ = |all: &[&Vec<Finding>]| lags_differ(all.iter().map(|f| (f.as_slice(), H)));
+    assert!(!differ(&[&one, &same]) && differ(&[&one, &same, &other]));
+    let context = Context { speed_lag: SpeedLag::Disputed, ..Context::default() };
+    let log = late_beside(0.04, 0.02, 0.01, 1);
+    let left = condition(log.clone(), &Settings::default(), &context).unwrap();
+    assert!(left.channels.omega == log.omega);
+    let kind = left.findings.iter().find(|f| matches!(f.kind, Kind::LagsDiffer { .. }));
+    assert_eq!(kind.unwrap().action, Action::Noted);
 }

@@ -13,8 +13,8 @@ const FALLS: f64 = 0.9;
 const PLACES: [&str; 8] = ["x", "y", "z", "pos", "position", "dist", "distance", "odom"];
 
 /// The time: the best name whose values increase, else two columns that are seconds and a part of a second, else the
-/// sum of the steps between the rows, else the one column that always increases. A column that counts the rows is not
-/// their time; a name that may be a position is asked about.
+/// sum of the steps between the rows, else the column that always increases, with the most even steps. A column that counts
+/// the rows is not their time; a name that may be a position is asked about.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
     let parted = seconds_and_part(all);
     let is_part = |one: &Guessed| {
@@ -115,18 +115,35 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
     let (rows, times): (Vec<&Candidate>, Vec<&Candidate>) =
         all.iter().filter(rising).partition(|c| counts_rows(&c.column.values));
     let of = |c: &Candidate, why: &str| Guessed { evidence: vec![why.into()], ..guessed(c) };
+    let placed = |one: &Candidate, why: &str| {
+        let is_place = one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
+        Some(Guessed { unit_open: is_place, ..of(one, why) })
+    };
     match (&times[..], &rows[..]) {
-        ([one], _) => {
-            let is_place = one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
-            let found = of(one, "the only column that increases from row to row");
-            Some(Guessed { unit_open: is_place, ..found })
-        }
+        ([one], _) => placed(one, "the only column that increases from row to row"),
+        ([_, _, ..], _) => placed(
+            most_even(&times)?,
+            "of the columns that increase from row to row the one that always does, in the most even steps",
+        ),
         ([], [one, ..]) => {
             let found = of(one, "it increases by 1 from row to row: it counts rows");
             Some(Guessed { scale_open: true, ..found })
         }
         _ => None,
     }
+}
+
+/// The column that increases in every row, by steps with the smallest deviation relative to their mean: counts of a wheel
+/// repeat or vary with its speed.
+fn most_even<'a, 'b>(all: &[&'a Candidate<'b>]) -> Option<&'a Candidate<'b>> {
+    let variation = |c: &Candidate| {
+        let steps: Vec<f64> = c.column.values.windows(2).map(|w| w[1] - w[0]).collect();
+        let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+        let square = steps.iter().map(|h| (h / mean - 1.0).powi(2)).sum::<f64>();
+        steps.iter().all(|h| *h > 0.0).then_some(square)
+    };
+    let strict = all.iter().filter_map(|c| Some((variation(c)?, *c)));
+    strict.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, c)| c)
 }
 
 /// Whether a column increases by exactly 1 from row to row.

@@ -54,6 +54,8 @@ pub(in crate::experiment) enum About {
     Unit(String),
     /// The time between the rows.
     Period,
+    /// Columns of an input that never change.
+    StillInput,
     /// Anything else.
     Other,
 }

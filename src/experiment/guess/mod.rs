@@ -28,10 +28,10 @@ mod unknown_sides;
 mod values;
 
 use self::guessed::Candidate;
-pub(super) use self::guessed::{About, Guess, Guessed};
+pub(super) use self::guessed::{About, Guess, Guessed, Question};
 use self::names::{Quantity, named};
 use self::pairs::Pairs;
-pub(super) use self::text::{Written, file_text};
+pub(super) use self::text::{Written, assumed_unit, assumed_units, file_text};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
@@ -178,12 +178,14 @@ fn input(
     found: Vec<Input>,
     [angles, speeds]: [Option<&[Guessed; 2]>; 2],
     directions: &directions::Directions,
-    questions: &mut Vec<String>,
+    questions: &mut Vec<Question>,
 ) -> Option<Input> {
     let is_still = |i: &Input| i.0.iter().all(|c| values::never_changes(columns, c));
     let (still, found): (Vec<Input>, Vec<Input>) = found.into_iter().partition(is_still);
-    let still =
-        still.first().map(|i| format!("`{}` and `{}` never change", i.0[0].name, i.0[1].name));
+    let still = still.first().map(|i| match i.0.each_ref().map(|c| &c.name) {
+        [one, other] if one == other => format!("`{one}` never changes"),
+        [one, other] => format!("`{one}` and `{other}` never change"),
+    });
     let magnitude = |pair: &[Guessed; 2]| {
         values::is_magnitude(columns, pair, angles, speeds)
             && !directions.are_of(pair)
@@ -194,8 +196,10 @@ fn input(
     found.sort_by_key(|(magnitude, _)| *magnitude);
     let refused = found.iter().find(|(magnitude, _)| *magnitude).map(|(_, i)| i.0[0].name.clone());
     let Some((magnitude, mut input)) = found.into_iter().next() else {
-        questions
-            .extend(still.map(|words| format!("{words}: was the input of the motors recorded?")));
+        questions.extend(still.map(|words| Question {
+            about: About::StillInput,
+            text: format!("{words}: was the input of the motors recorded?"),
+        }));
         return None;
     };
     input.0[0].evidence.extend(still);

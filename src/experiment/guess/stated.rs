@@ -51,7 +51,7 @@ pub(super) fn look(guess: &mut Guess) {
 const RATED: &str = " (a share of the rated value: 0.01 of it for 1 %, 0.001 for 0.1 %)";
 
 /// Unit of the program.
-fn si(key: &str, input: DriveUnit) -> &'static str {
+pub(super) fn si(key: &str, input: DriveUnit) -> &'static str {
     match key {
         "t" => "s",
         "alpha1" | "alpha2" => "rad",

@@ -1,11 +1,12 @@
 //! The experiment file that `experiment new` writes.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::guessed::{About, Guess, Guessed, Question};
 use super::model_key::effects_of;
 use super::names::named;
+use super::stated::si;
 use crate::diagnose;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -90,24 +91,33 @@ impl Guess {
 
     /// The units of columns of which neither name nor values state one. Of commands there is a question.
     fn assumed(&self) -> Option<String> {
-        let input = self.drive_unit.symbol();
-        let unit = |key: &str| match key {
-            "t" => "s",
-            "alpha1" | "alpha2" => "rad",
-            "dalpha1" | "dalpha2" => "rad/s",
-            _ => input,
-        };
-        let is_assumed = |c: &&Guessed| {
-            let named = named(&c.name);
+        let assumed = |c: &Guessed| {
             let is_open = c.unit_open || c.scale_open || c.is_share;
-            let is_known = c.unit.is_some() || c.scale.is_some() || c.nanoseconds.is_some();
-            c.name != c.key && named.unit.is_none() && !is_open && !is_known
+            // of a time only its rate may have said it
+            let is_known = c.unit.is_some() && c.key != "t";
+            let is_given = is_known || c.scale.is_some() || c.nanoseconds.is_some();
+            let unit = assumed_unit(c.key, &c.name, self.drive_unit)?;
+            (!is_open && !is_given).then(|| (c.key, c.unit.clone().unwrap_or(unit.into())))
         };
-        let assumed = self.columns.iter().filter(is_assumed);
-        let words: Vec<String> = assumed.map(|c| format!("{} in {}", c.key, unit(c.key))).collect();
-        (!words.is_empty())
-            .then(|| format!("assumed, because no unit is stated: {}", words.join(", ")))
+        assumed_units(self.columns.iter().filter_map(assumed))
     }
+}
+
+/// The unit in which a column is read if the file states none; `None` where its name does.
+pub(in crate::experiment) fn assumed_unit(
+    key: &str,
+    name: &str,
+    input: DriveUnit,
+) -> Option<&'static str> {
+    (name != key && named(name).unit.is_none()).then(|| si(key, input))
+}
+
+/// The sentence on quantities and their assumed units; `None` where there are none.
+pub(in crate::experiment) fn assumed_units<K: Display, U: Display>(
+    all: impl Iterator<Item = (K, U)>,
+) -> Option<String> {
+    let words: Vec<String> = all.map(|(key, unit)| format!("{key} in {unit}")).collect();
+    (!words.is_empty()).then(|| format!("assumed, because no unit is stated: {}", words.join(", ")))
 }
 
 /// The text of a commented experiment file.

@@ -146,7 +146,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
         guess.ask("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?");
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {
-        guess.ask(input.unwrap_or_else(|| no_input(columns, guess)));
+        guess.ask_all(input.or_else(|| no_input(columns, guess)));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
         // rows of other lines in between have no value
@@ -332,19 +332,20 @@ fn angle(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// The question if no input was found; empty if no column is left.
-fn no_input(columns: &[PreviewColumn], guess: &Guess) -> String {
+/// The question if no input was found; `None` if no column is left and one that never changes was asked for.
+fn no_input(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
     if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
-        "this log contains no input: record the torques, currents or voltages of the motors (M1, M2), without which the \
-         dynamics cannot be found"
-            .into()
+        let none = "this log contains no input: record the torques, currents or voltages of the motors (M1, M2), without \
+                    which the dynamics cannot be found";
+        let is_asked = guess.questions.iter().any(|asked| asked.about == About::StillInput);
+        (!is_asked).then(|| none.into())
     } else {
-        format!(
+        Some(format!(
             "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as \
              drive_unit; of voltages and PWM also hold = \"constant\" below it, and {} under [model]",
             effects_of(DriveUnit::Volt)
-        )
+        ))
     }
 }
 

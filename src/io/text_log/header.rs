@@ -1,5 +1,6 @@
 //! Names above a table: in one line or two, in comments, above a line of units; and statements of a header on the time.
 
+use super::described::described;
 use super::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
 
@@ -206,34 +207,6 @@ fn grouped(names: &[String], groups: &[String]) -> Vec<String> {
         if group.is_empty() { name.clone() } else { format!("{group} {name}") }
     };
     names.iter().zip(groups).map(one).collect()
-}
-
-/// The names in comments that describe the columns one by one: `# column 2: right wheel speed [rad/s]`, `# 2) speed`.
-fn described(above: &[&str], count: usize) -> Option<(usize, Vec<String>)> {
-    let name = |line: &str, number: usize| -> Option<String> {
-        let text = line.trim_start_matches(['#', '%', '/', ' ', '\t']);
-        let digits = text.find(|c: char| c.is_ascii_digit())?;
-        let (before, rest) = text.split_at(digits);
-        let is_word = before.chars().all(|c| c.is_alphabetic() || c == ' ' || c == '[' || c == '(');
-        let end = rest.find(|c: char| !c.is_ascii_digit())?;
-        let is_own = rest[..end].parse() == Ok(number);
-        let name = rest[end..].trim_start_matches([':', ')', ']', '.', '=', '-', ' ', '\t']);
-        let is_parted = name.len() < rest[end..].len();
-        (is_word && is_own && is_parted && !name.trim().is_empty()).then(|| name.trim().to_string())
-    };
-    let comments: Vec<(usize, &str)> = above
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| is_comment(line))
-        .map(|(k, line)| (k, *line))
-        .collect();
-    [1, 0].into_iter().find_map(|base| {
-        comments.windows(count).find_map(|run| {
-            let names: Option<Vec<String>> =
-                run.iter().enumerate().map(|(k, (_, line))| name(line, k + base)).collect();
-            Some((run.last()?.0, names?))
-        })
-    })
 }
 
 /// The columns with the time that the header of LabVIEW states, where the rows have none, and without columns that stand

@@ -4,14 +4,21 @@ use nalgebra::{DMatrix, DVector};
 
 use super::quantile;
 use super::window::Window;
+use crate::math::distribution::t_survival;
 use crate::math::{correlation, fit, sgn};
 
 /// Smallest number of windows in motion for a check.
 pub(super) const FEWEST: usize = 10;
 /// Correlation above which two signals are the same.
 const SAME: f64 = 0.98;
-/// Number of standard errors by which a fitted inertia must be negative.
-const SURE: f64 = 5.0;
+/// Probability by chance of an inertia as negative as the fitted one: five standard errors of a normal variable.
+const CHANCE: f64 = 2.9e-7;
+/// The same for an input that brakes a wheel from rest on, which excludes a constant brake on a slope.
+const SLOPE: f64 = 0.01;
+/// Part of the work without signs that negative work must be to brake nearly always.
+const BRAKES: f64 = 0.9;
+/// Part of the top speed below which a wheel starts from rest.
+const AT_REST: f64 = 0.2;
 /// Unexplained share of an input when fitted to the other wheel, relative to the fit to its own wheel and to
 /// the total, below which the inputs are exchanged.
 const EXCHANGED: f64 = 0.3;
@@ -29,18 +36,31 @@ pub(crate) fn exchanged_speeds(windows: &[Window]) -> bool {
 /// Whether the input of each wheel drives the other one.
 pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
     let crossed = |i: usize| -> Option<bool> {
-        let (own, other) = (simple_fit(windows, i, i)?, simple_fit(windows, i, 1 - i)?);
+        let of = |j: usize| simple_fit(windows, i, j).filter(|fit| fit.windows >= 3 * FEWEST);
+        let (own, other) = (of(i)?, of(1 - i)?);
         Some(other.rest < EXCHANGED * own.rest && other.rest < EXCHANGED)
     };
     crossed(0) == Some(true) && crossed(1) == Some(true)
 }
 
 /// Whether an input opposes the acceleration and has negative work: its sign is then wrong, because friction
-/// and inertia require positive work.
+/// and inertia require positive work. In few windows it is the work that shows it: nothing gains speed from rest while its
+/// motor brakes nearly always, but a wheel that rolls down a slope against a constant brake.
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let Some(fit) = simple_fit(windows, i, i) else { return false };
-    let work: f64 = windows.iter().map(|w| w.torque[i] * w.speed[i]).sum();
-    fit.inertia < -SURE * fit.std_error && work < 0.0
+    let power = || windows.iter().map(|w| w.torque[i] * w.speed[i]);
+    let (work, most): (f64, f64) = (power().sum(), power().map(f64::abs).sum());
+    let chance = t_survival(-fit.inertia / fit.std_error, (fit.windows - COEFFICIENTS) as f64);
+    let top = quantile(windows.iter().map(|w| w.speed[i]), 1.0);
+    let starts = windows.first().is_some_and(|w| w.speed[i].abs() < AT_REST * top);
+    let brakes = fit.windows < 3 * FEWEST && starts && work < -BRAKES * most;
+    work < 0.0 && (chance < CHANCE || brakes && chance < SLOPE)
+}
+
+/// Whether a wheel moves, but in too few windows for the test of its input's sign.
+pub(super) fn is_sign_untested(windows: &[Window], i: usize) -> bool {
+    let moving = moving(windows, i).len();
+    moving > 0 && moving < FEWEST
 }
 
 /// Windows without jumps of a wrapped angle.
@@ -55,15 +75,25 @@ struct SimpleFit {
     std_error: f64,
     /// Unexplained share of the input \[1\].
     rest: f64,
+    /// Number of windows.
+    windows: usize,
+}
+
+/// Number of coefficients of the regression.
+const COEFFICIENTS: usize = 3;
+
+/// The windows in which a wheel moves.
+fn moving(windows: &[Window], wheel: usize) -> Vec<&Window> {
+    let slow = 0.05 * quantile(windows.iter().map(|w| w.speed[wheel]), 0.99);
+    windows.iter().filter(|w| w.speed[wheel].abs() > slow).collect()
 }
 
 fn simple_fit(windows: &[Window], input: usize, wheel: usize) -> Option<SimpleFit> {
-    let slow = 0.05 * quantile(windows.iter().map(|w| w.speed[wheel]), 0.99);
-    let used: Vec<&Window> = windows.iter().filter(|w| w.speed[wheel].abs() > slow).collect();
-    if used.len() < 3 * FEWEST {
+    let used = moving(windows, wheel);
+    if used.len() < FEWEST {
         return None;
     }
-    let x = DMatrix::from_fn(used.len(), 3, |k, j| match j {
+    let x = DMatrix::from_fn(used.len(), COEFFICIENTS, |k, j| match j {
         0 => used[k].acceleration[wheel],
         1 => sgn(used[k].speed[wheel]),
         _ => used[k].speed[wheel],
@@ -71,9 +101,10 @@ fn simple_fit(windows: &[Window], input: usize, wheel: usize) -> Option<SimpleFi
     let y = DVector::from_fn(used.len(), |k, _| used[k].torque[input]);
     let total = y.norm_squared();
     let fitted = fit(&x, &y, None).ok()?;
-    (total > 0.0 && fitted.rank == 3).then(|| SimpleFit {
+    (total > 0.0 && fitted.rank == COEFFICIENTS).then(|| SimpleFit {
         inertia: fitted.coefficients[0],
         std_error: fitted.std_errors[0],
         rest: fitted.residuals.norm_squared() / total,
+        windows: used.len(),
     })
 }

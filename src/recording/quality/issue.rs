@@ -149,6 +149,8 @@ pub enum Issue<C = usize, R = f64> {
     ExchangedInput,
     /// The input of a wheel opposes its motion.
     OpposingInput(usize),
+    /// A wheel moves for too short a time for the test of its input's sign.
+    SignUntested(usize),
 }
 
 /// An issue of one or several recordings, with the ranges of the numbers.

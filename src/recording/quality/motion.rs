@@ -1,8 +1,10 @@
 //! Checks of the channels against each other: units, signs, exchanged wheels.
 
 use super::super::Recording;
-use super::consistency::{FEWEST, exchanged_input, exchanged_speeds, opposing_input};
-use super::window::Window;
+use super::consistency::{
+    FEWEST, exchanged_input, exchanged_speeds, is_sign_untested, opposing_input,
+};
+use super::window::{Window, short_windows};
 use super::{Finding, Issue, Severity, quantile};
 use crate::math::median_high;
 use crate::robot::Robot;
@@ -28,9 +30,12 @@ pub(super) fn findings(r: &Recording, windows: &[Window], robot: &Robot) -> Vec<
     if exchanged_input(windows) {
         out.push(Finding::new(Severity::Problem, Issue::ExchangedInput));
     } else {
+        let windows = &short_windows(r);
         let opposing = (0..2).filter(|i| opposing_input(windows, *i));
         let finding = |i| Finding::new(Severity::Problem, Issue::OpposingInput(i));
         out.extend(opposing.map(finding));
+        let untested = (0..2).filter(|i| is_sign_untested(windows, *i));
+        out.extend(untested.map(|i| Finding::new(Severity::Note, Issue::SignUntested(i))));
     }
     out
 }

@@ -219,3 +219,30 @@ fn tiny_and_constant_recordings_are_checked_without_a_panic() {
         }
     }
 }
+
+/// A servo of one axis at 500 Hz over that many rows, with speeds of white noise, by M = 0.04 dw + 0.3 sgn(w) + 0.02 w.
+fn servo(rows: usize, sign: f64) -> Recording {
+    let noise = |k: usize| ((k * 7919 + k * k * 104_729) % 1009) as f64 / 504.5 - 1.0;
+    let t: Vec<f64> = (0..rows).map(|k| 0.002 * k as f64).collect();
+    let (amplitude, rate) = (20.0, 25.0);
+    let speed = |t: f64| amplitude * (1.0 - (rate * t).cos()) + 1.0;
+    let omega = t.iter().enumerate().map(|(k, t)| [speed(*t) + 0.05 * noise(k); 2]).collect();
+    let input = |t: f64| 0.04 * amplitude * rate * (rate * t).sin() + 0.3 + 0.02 * speed(t);
+    let torque = t.iter().map(|t| [sign * input(*t); 2]).collect();
+    let channels = Channels { alpha: None, omega: Some(omega), torque, t };
+    Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
+#[test]
+fn the_sign_of_an_input_shows_in_a_quarter_of_a_second() {
+    let issues = |r: &Recording| -> Vec<Issue> {
+        quality(r, &Robot::amigobot()).findings.iter().map(|f| f.issue).collect()
+    };
+    let reversed = issues(&servo(140, -1.0));
+    assert!(reversed.contains(&Issue::OpposingInput(0)), "{reversed:?}");
+    let right = issues(&servo(140, 1.0));
+    assert!(!right.iter().any(|i| matches!(i, Issue::OpposingInput(_) | Issue::SignUntested(_))));
+    // too few rows for that
+    assert!(issues(&servo(60, -1.0)).contains(&Issue::SignUntested(0)));
+    assert!(!issues(&servo(2000, 1.0)).iter().any(|i| matches!(i, Issue::SignUntested(_))));
+}

@@ -38,12 +38,23 @@ pub(crate) struct View<'a> {
 
 /// Length of a window \[s\].
 const LENGTH: f64 = 0.1;
+/// Number of windows for which those of a short recording are shorter: ten per coefficient of the sign's test.
+const COUNT: usize = 30;
 /// Smallest number of new values in a window.
 const SAMPLES: usize = 8;
 
 /// The windows of all pieces in sequence.
 pub(super) fn windows(r: &Recording) -> Vec<Window> {
-    windows_of(&View {
+    windows_of(&view(r))
+}
+
+/// The same, shorter ones if the recording lasts only a few of them.
+pub(super) fn short_windows(r: &Recording) -> Vec<Window> {
+    short_windows_of(&view(r))
+}
+
+fn view(r: &Recording) -> View<'_> {
+    View {
         t: r.t(),
         alpha: r.alpha(),
         omega: r.omega(),
@@ -51,7 +62,7 @@ pub(super) fn windows(r: &Recording) -> Vec<Window> {
         pieces: r.pieces(),
         step: r.step(),
         refresh: r.rows_per_refresh(),
-    })
+    }
 }
 
 /// The same for channels that are not yet a recording; empty if the time does not increase.
@@ -60,7 +71,20 @@ pub(crate) fn windows_of(v: &View) -> Vec<Window> {
         return vec![];
     }
     // the slope of a signal quantised to n steps is too small by 1/n²
-    let length = ((LENGTH / v.step).round() as usize).max(SAMPLES * v.refresh);
+    of_length(v, ((LENGTH / v.step).round() as usize).max(SAMPLES * v.refresh))
+}
+
+/// The same, shorter ones if the channels last only a few of them.
+pub(crate) fn short_windows_of(v: &View) -> Vec<Window> {
+    if v.step.is_nan() || v.step <= 0.0 {
+        return vec![];
+    }
+    let rows: usize = v.pieces.iter().map(ExactSizeIterator::len).sum();
+    let length = ((LENGTH / v.step).round() as usize).min(rows / COUNT);
+    of_length(v, length.max(SAMPLES * v.refresh))
+}
+
+fn of_length(v: &View, length: usize) -> Vec<Window> {
     let mut out = Vec::with_capacity(v.t.len() / length);
     for piece in v.pieces {
         let mut start = piece.start;

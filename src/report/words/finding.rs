@@ -70,6 +70,22 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::Frozen { rows, first } => format!(
             "{name} keeps its last value in {rows} rows while the wheel is at rest (first: row {first})"
         ),
+        Kind::Dead { stretches, rows, from_s, to_s, or_blocked } => {
+            let time = match (stretches.low(), stretches.high()) {
+                (1, 1) => format!("from t = {from_s:.3} to {to_s:.3} s"),
+                _ => format!(
+                    "in {stretches} stretches, the first from t = {from_s:.3} to {to_s:.3} s,"
+                ),
+            };
+            let cause = if or_blocked {
+                "its encoder is dead, or the wheel is blocked or not powered"
+            } else {
+                "its encoder is dead (or the wheel is not powered)"
+            };
+            format!(
+                "{name} has no new value {time} ({rows} rows) although its input must have moved the wheel: {cause}"
+            )
+        }
         Kind::Stale { rows, first } => format!(
             "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
                  contains the missing motion (first: row {first})"
@@ -116,6 +132,12 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::Lag { lag_s, std_error_s } => {
             format!("{name} lags the angle by {} ± {}", ms(lag_s), ms(std_error_s))
         }
+        Kind::LagsDiffer { lag_s, std_error_s } => format!(
+            "{name} lags the angle by {} ± {}, which other recordings of this log contradict: not one logger, or another \
+                 error of the speeds",
+            ms(lag_s),
+            ms(std_error_s)
+        ),
         Kind::Filtered { lag_s, std_error_s } => format!(
             "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
             ms(lag_s),
@@ -205,13 +227,13 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Batches { .. } => {
             "treated as times of reception: the rows are moved to equidistant times"
         }
-        Kind::Frozen { .. } => "these rows are left out",
+        Kind::Frozen { .. } | Kind::Dead { .. } => "these rows are left out",
         Kind::Stale { .. } => "replaced by the samples that came late",
         Kind::Wrapped { .. } => "unwrapped",
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
         Kind::Spikes { .. } => "replaced by linear interpolation",
         Kind::Unit { .. } => "converted",
-        Kind::Gear { .. } => "left as recorded",
+        Kind::Gear { .. } | Kind::LagsDiffer { .. } => "left as recorded",
         Kind::Sign | Kind::Opposing => "sign reversed",
         Kind::Exchanged => "exchanged",
         Kind::Lag { .. } => "advanced by this time",

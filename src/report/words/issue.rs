@@ -33,9 +33,14 @@ impl StatedIssue {
             Self::ConstantInput { wheel, value, .. } if value.low() == 0.0 => {
                 format!("M{} is zero throughout", wheel + 1)
             }
-            Self::ConstantInput { wheel, value, unit } => {
+            Self::ConstantInput { wheel, value, unit } if value.low() == value.high() => {
                 format!("M{} is {value} {} throughout", wheel + 1, unit.symbol())
             }
+            Self::ConstantInput { wheel, value, unit } => format!(
+                "M{} is constant in each of them, at values of {value} {}",
+                wheel + 1,
+                unit.symbol()
+            ),
             Self::AtLimit { wheel, value, unit, share, .. } => format!(
                 "M{} is exactly {} {} at its extreme, {:.1} % of the samples",
                 wheel + 1,
@@ -76,6 +81,7 @@ impl StatedIssue {
                 format!("dalpha{0} is {ratio:.4} times the slope of alpha{0}", wheel + 1)
             }
             Self::ExchangedInput => "M1 moves wheel 2 and M2 moves wheel 1".into(),
+            Self::SignUntested(i) => format!("the sign of M{} is not tested", i + 1),
             Self::OpposingInput(i) => {
                 format!("M{} pushes {} against its motion", i + 1, WHEELS[i])
             }
@@ -117,7 +123,10 @@ impl StatedIssue {
             Self::Ratio { wheel, ratio, radius } => {
                 return wrong_units(UnitError::of(ratio.low(), radius.low()), wheel);
             }
-            Self::Uneven(_) => "write the time of measurement, not that of arrival",
+            Self::SignUntested(_) => "too few rows in motion; compare it with the sign of the acceleration",
+            Self::Uneven(_) => {
+                "possibly these are times of arrival: write those of measurement (rows at uneven times are used as they are)"
+            }
             Self::Repeats(_) => "repeated rows are not counted as measurements",
             Self::Still(_) => {
                 "its friction and inertia are not identifiable; check its encoder, or drive both wheels"

@@ -78,3 +78,19 @@ fn seconds_of_a_coarse_clock_are_no_milliseconds() {
     let of_day = counted("timestamp", |k| 43_380.0 + (k / 4) as f64);
     assert_eq!(time(&[of_day]).unit, None);
 }
+
+#[test]
+fn a_time_rises_in_every_row_and_by_more_even_steps_than_counts() {
+    // stamps of a loop of 6 to 14 ms; counts repeat at low speed
+    let stamp = |k: usize| 0.01 * k as f64 + 0.004 * ((k * 37 % 11) as f64 / 11.0);
+    let count = |k: usize| -67_305.0 + (3.0 * k as f64 - 40.0 * (k as f64 / 40.0).sin()).floor();
+    let log = [counted("column1", count), counted("column2", stamp)];
+    let found = time(&log);
+    assert_eq!(found.name, "column2");
+    assert!(found.evidence[0].contains("most even steps"), "{:?}", found.evidence);
+    // also beside an angle that rises in every row
+    let angle = |k: usize| 0.05 * k as f64 + 1.5 * (1.0 - (k as f64 / 30.0).cos());
+    assert_eq!(time(&[counted("column1", angle), log[1].clone()]).name, "column2");
+    let words = guess(&[log[0].clone(), counted("column2", |k| 1e3 * stamp(k))]).words();
+    assert!(words.contains("no unit is stated: t in ms"), "{words}");
+}

@@ -201,6 +201,12 @@ fn columns_that_hold_nothing_are_passed_over() {
     let g = guess(&log[..5]);
     assert!(name_of(&g, "M1").is_none() && asked(&g, &["never change", "was the input"]));
     assert!(asked(&guess(&log[..3]), &["this log contains no input"]));
+    // one question on one column
+    let mut log = columns(&["t", "speed", "voltage_V"]);
+    log[2].values.fill(8.0);
+    let questions = guess(&log).asked();
+    assert!(questions.contains("`voltage_V` never changes: was the input"), "{questions}");
+    assert!(!questions.contains("contains no input"), "{questions}");
 }
 
 #[test]

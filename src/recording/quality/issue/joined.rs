@@ -55,6 +55,7 @@ impl<C: Copy, R: Copy> Issue<C, R> {
             }
             Self::ExchangedInput => Issue::ExchangedInput,
             Self::OpposingInput(wheel) => Issue::OpposingInput(wheel),
+            Self::SignUntested(wheel) => Issue::SignUntested(wheel),
         }
     }
 }
@@ -116,6 +117,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::recording::DriveUnit;
 
     /// Combination of two issues; `None` if they differ in more than numbers.
     fn joined(one: Issue, other: Issue) -> Option<String> {
@@ -134,6 +136,14 @@ mod tests {
             joined(gaps(1, 0.5), gaps(3, 0.25)).unwrap(),
             "1 to 3 gaps in time, the longest 0.250 to 0.500 s"
         );
+    }
+
+    #[test]
+    fn constants_of_several_recordings_are_no_range_of_one() {
+        let constant = |value| Issue::ConstantInput { wheel: 0, value, unit: DriveUnit::Volt };
+        let words = "M1 is constant in each of them, at values of -7 to 7 V";
+        assert_eq!(joined(constant(-7.0), constant(7.0)).unwrap(), words);
+        assert_eq!(joined(constant(7.0), constant(7.0)).unwrap(), "M1 is 7 V throughout");
     }
 
     #[test]
