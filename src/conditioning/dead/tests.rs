@@ -47,7 +47,8 @@ impl Robot {
         for k in 0..rows {
             let t = H * k as f64;
             torque.push([0, 1].map(|i| (self.input)(t, i)));
-            (alpha.push(angle), omega.push(w));
+            alpha.push(angle);
+            omega.push(w);
             let m = torque[k.saturating_sub(self.late)];
             for _ in 0..fine {
                 let f: [f64; 2] = [0, 1].map(|i| {
