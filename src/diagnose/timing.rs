@@ -80,7 +80,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
         shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
     let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
-    // above the floor the model lacks another effect, which the shift may compensate; without a simulation nobody knows
+    // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
     let something_else =
         shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
