@@ -71,7 +71,7 @@ pub enum Note {
     },
     /// Symbols and values of frictions that are negative with their whole intervals.
     DrivingFriction(Vec<(String, f64)>),
-    /// Parameters of a balance that a dry friction explains alone: it is as large as the input of its wheel, which
+    /// Parameters of a balance in which dry friction may take any part of the input of its wheel, because that input
     /// has one size while the wheel turns.
     OneSize {
         /// Their symbols.

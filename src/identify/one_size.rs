@@ -1,7 +1,7 @@
 //! Friction under an input of one size.
 
 use super::start::start;
-use super::{Fit, Note, Task};
+use super::{Fit, Note, Task, Unknown};
 use crate::model::Model;
 use crate::model::base::{A4, A5};
 use crate::recording::Recording;
@@ -48,13 +48,18 @@ pub(crate) fn start_without_friction(task: &Task) -> Option<Vec<f64>> {
 }
 
 impl Fit {
-    /// The same with dry friction marked as not identifiable where it is as large as an input of one size, and with
-    /// all other parameters too where that holds for both wheels: they are zero beside it.
+    /// The same with dry friction marked as not identifiable where the input has one size and the fit does not hold it, as
+    /// large as that size or with an unknown share of it. Where that holds for both wheels the scale of all other
+    /// parameters is unknown too.
     #[must_use]
     pub fn under_one_size(mut self, train: &[Recording]) -> Self {
+        let is_held = |symbol: &str| {
+            let held = |n: &Note| matches!(n, Note::Unknown { unknown: Unknown::Held(s, _), .. } if s == symbol);
+            self.notes.iter().any(held)
+        };
         let explains = |j: usize, size: f64| {
-            let estimate = self.estimates.get(j).filter(|e| e.identifiable && !e.fixed);
-            estimate.is_some_and(|e| (e.value - size).abs() < ONE * size)
+            let estimate = self.estimates.get(j).filter(|e| !e.fixed && !is_held(&e.symbol));
+            estimate.is_some_and(|e| !e.identifiable || (e.value - size).abs() < ONE * size)
         };
         let found = [A4, A5].into_iter().zip(sizes(train));
         let found: Vec<(usize, f64)> = found
@@ -62,13 +67,15 @@ impl Fit {
             .filter(|&(j, size)| explains(j, size))
             .collect();
         let Some(&(_, size)) = found.first() else { return self };
-        let is_estimated = |j: &usize| {
-            let (all, e) = (found.len() == 2, &self.estimates[*j]);
-            e.identifiable && !e.fixed && (all || found.iter().any(|(k, _)| k == j))
+        let all = found.len() == 2;
+        let is_concerned = |j: &usize| {
+            let free = !self.estimates[*j].fixed;
+            free && (all || found.iter().any(|(k, _)| k == j))
         };
-        let places: Vec<usize> = (0..self.estimates.len()).filter(is_estimated).collect();
+        let places: Vec<usize> = (0..self.estimates.len()).filter(is_concerned).collect();
         places.iter().for_each(|&j| self.set_unidentifiable(j));
         let symbols = places.iter().map(|&j| self.estimates[j].symbol.clone()).collect();
+        self.notes.retain(|note| !(all && matches!(note, Note::Unknown { .. })));
         self.notes.push(Note::OneSize { symbols, size });
         self
     }

@@ -142,8 +142,8 @@ impl fmt::Display for Note {
             }
             Self::OneSize { symbols, size } => write!(
                 f,
-                "{} not identifiable: while the wheels turn, the input has the one size {}, which a friction of that size \
-                 explains alone. Record inputs of several sizes.",
+                "{} not identifiable: while the wheels turn, the input has the one size {}, of which friction may \
+                 take any part. Record inputs of several sizes.",
                 symbols.join(", "),
                 digits(*size, 3)
             ),
