@@ -24,9 +24,9 @@ pub enum ConditioningError {
         wheel: &'static str,
         /// First and last row, counted from 1.
         rows: [usize; 2],
-        /// Their times [s].
+        /// Their times \[s\].
         times: [f64; 2],
-        /// Duration of the other rows [s].
+        /// Duration of the other rows \[s\].
         left_s: f64,
     },
     /// An input without sign.
