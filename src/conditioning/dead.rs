@@ -23,7 +23,7 @@ use super::input::speeds;
 use super::signal::{column, median_high, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::smallest_change;
-use crate::math::{fit, sgn};
+use crate::math::{fit, mean, sgn};
 use crate::recording::{SHORT, View, Window, windows_of};
 
 /// Shortest stretch, and shortest motion computed for it \[s\]: several times the dead time of a radio link.
@@ -178,7 +178,7 @@ impl<'a> Log<'a> {
         let acting: Vec<f64> = windows.iter().map(|w| load.acting(w, i)).collect();
         let (mean, level) = match rests {
             true => (0.0, starts.max(STATIC * load.friction + SURE * load.residual)),
-            false => (acting.iter().sum::<f64>() / acting.len() as f64, SURE * load.residual),
+            false => (mean(acting.iter().copied()), SURE * load.residual),
         };
         let motion = load.motion(acting.iter().map(|m| m - mean), level, h);
         let resolution = |v: &[[f64; 2]]| STEPS * smallest_change(&column(v, i)).unwrap_or(0.0);

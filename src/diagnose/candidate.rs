@@ -132,6 +132,12 @@ impl Candidate {
         self.effect.change() == Change::TimeShift
     }
 
+    /// Whether it changes the input or its time.
+    #[must_use]
+    pub fn is_of_input(&self) -> bool {
+        matches!(self.effect.change(), Change::Input | Change::TimeShift)
+    }
+
     fn signals(
         &self,
         recordings: &[&Recording],

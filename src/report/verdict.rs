@@ -7,7 +7,8 @@ mod evidence;
 mod formula;
 mod next;
 
-use self::effects::{found, judged, lowered, named, shifts_input, unproven};
+pub(super) use self::effects::shifts_input;
+use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
 use crate::report::format::percent;
 use crate::study::{DiagnosisStudy, Undetermined, Verdict, Withheld};

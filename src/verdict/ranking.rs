@@ -1,7 +1,6 @@
 //! Candidates and steps of a diagnosis with their errors on the judged recordings.
 
 use crate::diagnose::{Diagnosis, Judge, Judgement, Ranked, THRESHOLDS, probabilities};
-use crate::effects::Change;
 use crate::identify::Estimate;
 use crate::simulate::SimulateError;
 use crate::study::{CandidateStudy, StepStudy, parameters_of};
@@ -65,7 +64,7 @@ fn candidate(
 ) -> CandidateStudy {
     // an effect on the input is ranked by its distance from the best one by the windows, which may be far below zero
     // though its own windows prefer it
-    let of_input = matches!(ranked.candidate.effect.change(), Change::Input | Change::TimeShift);
+    let of_input = ranked.candidate.is_of_input();
     let own = 2.0 * ranked.bic_windows;
     let bic =
         if of_input && ranked.bic.is_finite() { ranked.bic.min(own.max(0.0)) } else { ranked.bic };

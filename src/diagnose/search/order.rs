@@ -5,7 +5,6 @@ use std::cmp::Ordering;
 use super::Search;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::effects::Change;
 
 impl Search<'_> {
     /// Puts refitted candidates in order.
@@ -21,8 +20,7 @@ impl Search<'_> {
     /// its noise is on both sides of the regression, so such an effect is compared with the best of the
     /// others by the windows alone.
     fn set_criteria(&self, ranked: &mut [Ranked]) {
-        let of_input =
-            |r: &Ranked| matches!(r.candidate.effect.change(), Change::Input | Change::TimeShift);
+        let of_input = |r: &Ranked| r.candidate.is_of_input();
         for r in ranked.iter_mut().filter(|r| r.refit.is_some() && !of_input(r)) {
             r.bic = self.bic(&r.candidate, r.by_regression) + r.bic_windows;
         }

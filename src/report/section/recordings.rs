@@ -2,8 +2,8 @@
 
 use super::{Depth, Section, listed, words};
 use crate::diagnose::Timing;
-use crate::effects::{self, Change};
 use crate::report::block::{Block, Cell, Column, Table, Text};
+use crate::report::verdict::shifts_input;
 use crate::report::{dead_time, dead_time_advice, format};
 use crate::study::{RecordingStudy, Study};
 
@@ -125,12 +125,10 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
 }
 /// What became of a dead time that logging does not explain.
 fn decided(study: &Study, timing: &Timing) -> String {
-    let is_shift =
-        |id: &String| effects::find(id).is_some_and(|effect| effect.change() == Change::TimeShift);
     match &study.diagnosis {
         _ if !timing.is_late() => String::new(),
         None => format!(": {}", dead_time_advice()),
-        Some(diagnosis) => match diagnosis.found.iter().find(|id| is_shift(id)) {
+        Some(diagnosis) => match diagnosis.found.iter().find(|id| shifts_input(id)) {
             Some(id) => format!("; the diagnosis names {}", words::effect_in_text(id)),
             None => {
                 "; the diagnosis does not prove it, and its verdict is on the model without a delay"

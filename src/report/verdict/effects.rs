@@ -54,7 +54,7 @@ pub(crate) fn title(id: &str) -> String {
 }
 
 /// Whether an effect of the catalogue shifts the input in time.
-pub(super) fn shifts_input(id: &str) -> bool {
+pub(in crate::report) fn shifts_input(id: &str) -> bool {
     crate::effects::find(id).is_some_and(|e| e.change() == Change::TimeShift)
 }
 
