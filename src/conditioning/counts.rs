@@ -14,13 +14,16 @@
 //! second differences of n:               var = 6 s²  rounded speeds,   20 s²  counts     (s² of one rounding)
 //! the same of sums over two rows:              12 s²                   20 s²
 //! ```
+//! With n of one row the variance of counts is also 20/12, that of rounded speeds 6/12 (less if the motion is slow).
 //! In a recording with fast motion the second criterion is not decisive; the decision is then that of the other
 //! recordings of the log. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
 //! would be shifted by half a row against the other.
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{column, median_high, trimmed};
+use super::signal::{column, median_high};
 use super::{Conditioned, Context, Settings};
+use crate::math::noise::step_of_grid;
+use crate::math::trimmed_mean_square;
 
 /// Smallest number of rows in motion: fewer may lie on a grid by chance or by rounding of the file.
 const FEWEST: usize = 100;
@@ -31,6 +34,9 @@ const LEVELS: usize = 4;
 const OFF: f64 = 0.05;
 /// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their logarithms.
 const TAKEN_BACK: f64 = 1.414;
+/// Variance of the second differences above that is nearer to that of counts, 20/12, than to that of rounded speeds, 6/12, by
+/// their logarithms.
+const COUNTED: f64 = 0.913;
 /// Variance of the second differences where counts are those of an angle: 20/12 by rounding, and as much by the motion.
 const ROUNDED: f64 = 2.0 * 20.0 / 12.0;
 /// Largest number of counts of the smallest speed of a recording.
@@ -184,23 +190,10 @@ fn by_row(omega: &[f64], steps: &[f64], step: f64, rows: usize) -> Vec<f64> {
 }
 
 /// The step of the grid, near `step`, on which all increments lie; `sizes` are theirs, ascending.
-fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
-    // larger counts determine the step more accurately
-    let mut reach = 4.0;
-    let largest = *sizes.last()?;
-    while reach < 2.0 * largest / step {
-        let near = sizes.iter().take_while(|d| **d < (reach + 0.5) * step);
-        let (way, square) = near.fold((0.0, 0.0), |(way, square), d| {
-            let n = (d / step).round();
-            (way + n * d, square + n * n)
-        });
-        if square > 0.0 {
-            step = way / square;
-        }
-        reach *= 2.0;
-    }
+fn on_grid(sizes: &[f64], step: f64) -> Option<f64> {
+    let step = step_of_grid(sizes, step);
     let off = |d: &f64| (d / step - (d / step).round()).powi(2);
-    let error = trimmed(sizes.iter().map(off).collect()).sqrt();
+    let error = trimmed_mean_square(sizes.iter().map(off).collect()).sqrt();
     (error < OFF).then_some(step)
 }
 
@@ -208,11 +201,12 @@ fn on_grid(sizes: &[f64], mut step: f64) -> Option<f64> {
 fn taken_back(counts: &[f64]) -> Option<bool> {
     let variance = |n: &[f64]| {
         let bends = n.windows(3).filter(|w| w.iter().any(|n| *n != 0.0));
-        trimmed(bends.map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).collect())
+        trimmed_mean_square(bends.map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).collect())
     };
     let pairs: Vec<f64> = counts.chunks_exact(2).map(|pair| pair[0] + pair[1]).collect();
     let single = variance(counts);
-    (single > 0.0 && single < ROUNDED).then(|| variance(&pairs) < TAKEN_BACK * single)
+    let taken_back = || single > COUNTED && variance(&pairs) < TAKEN_BACK * single;
+    (single > 0.0 && single < ROUNDED).then(taken_back)
 }
 
 #[cfg(test)]

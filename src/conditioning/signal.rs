@@ -36,11 +36,3 @@ pub(super) fn noise_variance(values: &[f64]) -> f64 {
 /// Samples per block: few compared with a run, so that starts and steps affect few blocks (chosen by
 /// judgement).
 const BLOCK: usize = 36;
-
-/// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps
-/// and gaps do not count, and rows in which nothing changes do not hide the others.
-pub(super) fn trimmed(mut squares: Vec<f64>) -> f64 {
-    squares.sort_by(f64::total_cmp);
-    squares.truncate((squares.len() * 19).div_ceil(20));
-    squares.iter().sum::<f64>() / squares.len().max(1) as f64 / 0.759
-}

@@ -23,9 +23,11 @@ pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
 use self::lag::{SMALL, SURE, pooled};
 pub use self::of_angle::common_share;
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{changes, column, median_high, noise_variance, pieces, trimmed};
+use super::signal::{changes, column, median_high, noise_variance, pieces};
 use super::{Conditioned, Context, Settings};
-use crate::math::{Line, NormalEquations, cumulative_trapezoid, robust_deviation};
+use crate::math::{
+    Line, NormalEquations, cumulative_trapezoid, robust_deviation, trimmed_mean_square,
+};
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
@@ -165,7 +167,7 @@ fn span(s: &Samples) -> Option<usize> {
     let rest = |m: usize| {
         let inside = s.pieces.iter().flat_map(|p| p.start + m..p.end.max(p.start + m));
         let error = |k: usize| s.omega[k] - (s.alpha[k] - s.alpha[k - m]) / (s.t[k] - s.t[k - m]);
-        trimmed(inside.map(|k| error(k).powi(2)).collect())
+        trimmed_mean_square(inside.map(|k| error(k).powi(2)).collect())
     };
     let spans = (1..=SPAN.min(s.t.len() / 4)).map(|m| (m, rest(m)));
     let (m, least) = spans.min_by(|a, b| a.1.total_cmp(&b.1))?;

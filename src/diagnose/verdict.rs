@@ -176,12 +176,16 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
 /// ```text
 /// P_j = exp(-BIC_j/2) / (1 + Σ exp(-BIC_k/2))
 /// ```
+/// `raises`: whether the candidate raises the simulation error that is reported. A candidate that simulation refutes is not
+/// more probable than none, whatever the torque balance indicates.
+///
 /// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]
-pub fn probabilities(ranking: &[Ranked]) -> Vec<f64> {
-    // a candidate that simulation refutes is not more likely than none, whatever the torque balance indicates
-    let bic = |r: &Ranked| if r.bic_windows < 0.0 { r.bic } else { r.bic.max(0.0) };
-    let ranks: Vec<f64> = ranking.iter().map(|r| -0.5 * bic(r)).collect();
+pub fn probabilities(ranking: &[Ranked], raises: &[bool]) -> Vec<f64> {
+    let bic = |(r, raises): (&Ranked, &bool)| {
+        if r.bic_windows < 0.0 && !raises { r.bic } else { r.bic.max(0.0) }
+    };
+    let ranks: Vec<f64> = ranking.iter().zip(raises).map(|pair| -0.5 * bic(pair)).collect();
     let largest = ranks.iter().copied().fold(0.0, f64::max);
     let weights: Vec<f64> = ranks.iter().map(|r| (r - largest).exp()).collect();
     let sum = weights.iter().sum::<f64>() + (-largest).exp();

@@ -10,6 +10,7 @@ use super::remark::Remark;
 use super::robot_table::has_no_track;
 use crate::effects;
 use crate::model::Model;
+use crate::model::base::{A1, A2, A3};
 use crate::robot::Robot;
 use crate::simulate::Gain;
 use crate::study::Role;
@@ -101,6 +102,22 @@ pub(super) fn candidates_are_known(ids: &[String], own: &[Own]) -> Result<(), Me
     ids.iter().try_for_each(|id| add(&base, id, own).map(drop).map_err(Meaning::from))
 }
 
+/// The model with a2 and a3 fixed at zero if every recording is of a single axis, mapped to both wheels: it does not turn, and
+/// a1 is its inertia. With two inertias of which only the sum is identifiable, the difference of the wheels, which no
+/// recording contains, would have an arbitrary time constant in simulations.
+fn of_one_axis(model: Model, recordings: &[MeasuredRecording]) -> Model {
+    let free = [A1, A2, A3].iter().all(|&j| model.parameters()[j].fixed.is_none());
+    let single = |m: &MeasuredRecording| m.recording.is_single_axis();
+    if !free || recordings.is_empty() || !recordings.iter().all(single) {
+        return model;
+    }
+    let fix = |model: Model, j: usize| {
+        let symbol = model.parameters()[j].spec.symbol.clone();
+        model.fix(&symbol, 0.0)
+    };
+    fix(model.clone(), A2).and_then(|model| fix(model, A3)).unwrap_or(model)
+}
+
 /// The plan without an experiment file and without user-defined effects.
 pub(super) fn assembled(
     name: &str,
@@ -114,6 +131,7 @@ pub(super) fn assembled(
     let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
     let no_track = has_no_track(model.robot()).then(|| Remark::NoTrack { effects: of_heading() });
     let opposed = opposed.map(|share| Remark::Opposed { share });
+    let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
         name: name.to_owned(),
         title: title.unwrap_or_else(|| name.replace(['_', '-'], " ")),

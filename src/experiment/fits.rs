@@ -60,7 +60,8 @@ fn fit(
 
 /// Fits a `model` whose last parameter is a delay that stands for the measured dead time. A fit whose delay
 /// contradicts the measurement ended in another minimum, of which simulations of whole recordings have several: it
-/// is repeated with the delay as measured.
+/// is repeated with the delay as measured. The intervals of a method that holds the delay contain the error of the
+/// measurement.
 fn with_dead_time(
     model: &Model,
     timing: Timing,
@@ -75,7 +76,13 @@ fn with_dead_time(
     {
         fit = identify(&held)?;
     }
-    fit.set_measured(delay, error);
+    if fit.holds(delay) {
+        let symbol = &fit.estimates[delay].symbol;
+        let later = model.fix(symbol, time + error).ok().map(|model| identify(&model));
+        if let Some(Ok(later)) = later {
+            fit.set_measured(delay, error, &later);
+        }
+    }
     let fitted = fit.dynamics.physical().is_some();
     fit.notes.push(Note::Late { time, error, fitted });
     Ok(fit)

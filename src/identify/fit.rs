@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::Note;
 use crate::math::MinimumStatus;
@@ -222,13 +222,32 @@ impl Fit {
         self.covariance.iter_mut().for_each(|c| c[(j, j)] = f64::INFINITY);
     }
 
-    /// Gives parameter `j` the standard error of a measurement beside the fit, where the method held it at that
-    /// measurement; a method that estimates the parameter keeps its own.
-    pub(crate) fn set_measured(&mut self, j: usize, std_error: f64) {
-        let held = self.estimates.get(j).filter(|e| e.fixed);
-        let Some(Estimate { symbol, unit, value, .. }) = held else { return };
-        self.estimates[j] = Estimate::new(symbol, unit.clone(), *value, std_error);
-        self.covariance.iter_mut().for_each(|c| c[(j, j)] = std_error.powi(2));
+    /// Whether the method held parameter `j` instead of estimating it.
+    pub(crate) fn holds(&self, j: usize) -> bool {
+        self.estimates.get(j).is_some_and(|e| e.fixed)
+    }
+
+    /// Gives parameter `j`, which the method held, the standard error of a measurement beside the fit, and adds
+    /// to the variances of the others what that error changes in them.
+    ///
+    /// ```text
+    /// C' = C + c c',   c = θ(value + std_error) - θ(value)
+    /// ```
+    /// `at_error` is the fit with the parameter held one standard error higher.
+    pub(crate) fn set_measured(&mut self, j: usize, std_error: f64, at_error: &Self) {
+        let pairs = self.estimates.iter().zip(&at_error.estimates);
+        let mut change: Vec<f64> = pairs.map(|(e, other)| other.value - e.value).collect();
+        change[j] = std_error;
+        for (estimate, change) in self.estimates.iter_mut().zip(&change) {
+            let Estimate { symbol, unit, value, .. } = &*estimate;
+            let error = estimate.std_error.hypot(*change);
+            if *change != 0.0 && error.is_finite() {
+                *estimate = Estimate::new(symbol, unit.clone(), *value, error)
+                    .with_degrees(estimate.degrees);
+            }
+        }
+        let change = DVector::from_vec(change);
+        self.covariance.iter_mut().for_each(|c| *c += &change * change.transpose());
     }
 
     /// The estimate of a symbol.

@@ -83,6 +83,14 @@ pub(crate) fn among_all(model: &Model, of_free: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
+/// The covariance of all parameters from the information of all: fixed ones have none, and those
+/// that take part in a direction which the data do not give have an infinite one.
+fn covariance_of_free(model: &Model, information: &DMatrix<f64>) -> DMatrix<f64> {
+    let free = model.free();
+    let of_free = information.select_rows(&free).select_columns(&free);
+    among_all(model, &Information::new(&of_free).covariance())
+}
+
 /// Linear parameters with information by rounding only: a column that should be zero is not exactly
 /// zero.
 fn undetermined(
@@ -101,18 +109,50 @@ fn undetermined(
 }
 
 /// Largest recorded input [unit of the input].
-pub(super) fn largest_input(train: &[Recording]) -> f64 {
+fn largest_input(train: &[Recording]) -> f64 {
     let inputs = train.iter().flat_map(|r| r.torque().iter().flatten());
     inputs.fold(0.0_f64, |most, m| most.max(m.abs()))
 }
 
-/// Every free linear parameter with the torque that one unit of it makes in a curve at the speeds
-/// of the recordings, reached within a second.
-pub(super) fn torque_of_each(
+/// The parameter whose estimate is the most misleading, if there is one:
+///
+/// ```text
+/// se_j |torque by parameter j in a curve at the recorded speeds| > largest recorded input
+/// ```
+/// An error of one standard error in such a parameter causes a torque as large as the whole
+/// input, so simulations of another motion with this estimate are meaningless. The parameter
+/// with the largest of these torques is returned. `information` is that of all parameters.
+///
+/// For a single axis, mapped to both wheels, only sums are identifiable and no parameter of one
+/// wheel alone can be fixed: there `se_j` is the error if all others were known, and the
+/// differences keep their initial values.
+pub(super) fn least_known(
     model: &Model,
     values: &[f64],
+    information: &DMatrix<f64>,
     train: &[Recording],
-) -> Vec<(usize, f64)> {
+) -> Option<usize> {
+    let covariance = if train.iter().all(Recording::is_single_axis) {
+        DMatrix::from_diagonal(&information.diagonal().map(|i| 1.0 / i))
+    } else {
+        covariance_of_free(model, information)
+    };
+    let input = largest_input(train);
+    let share = |(j, torque): (usize, f64)| {
+        let error = covariance[(j, j)].sqrt() * torque;
+        // a column without torque at one value has none at any other
+        let known = torque == 0.0 && information[(j, j)] > 0.0;
+        (!known && !(error <= input)).then_some((j, error))
+    };
+    let unknown = torque_of_each(model, values, train).into_iter().filter_map(share);
+    // the last of equal ones, a2: a1 is the larger inertia and then stands for the sum
+    let least = unknown.max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    least.map(|(j, _)| j)
+}
+
+/// Every free linear parameter with the torque that one unit of it makes in a curve at the speeds
+/// of the recordings, reached within a second.
+fn torque_of_each(model: &Model, values: &[f64], train: &[Recording]) -> Vec<(usize, f64)> {
     let speed = train.iter().map(Recording::top_speed).fold(0.0, f64::max);
     let regressor = Regressor::new(model, values);
     let omega = [speed, -0.5 * speed];

@@ -4,11 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::identifiability::{among_all, identified, inverse_where_known};
+use super::identifiability::{among_all, identified, inverse_where_known, least_known};
 use super::simulation_cost::Problem;
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError, SingleAxis,
-    Status, Task, from_options, options_schema, start,
+    Status, Task, Unknown, from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 use crate::math::{clustered_covariance, eliminate, raise_errors};
@@ -21,7 +21,8 @@ use crate::math::{clustered_covariance, eliminate, raise_errors};
 /// The whole recording is simulated freely from its torques; the initial state of every piece is
 /// estimated too. Levenberg-Marquardt with exact sensitivities through stops and reversals, from
 /// the weak form (from a guess with too much friction the robot would never move). The parameters
-/// of a two-mass drivetrain, which the weak form does not contain, start from the best of a grid.
+/// of a two-mass drivetrain, which the weak form does not contain, start from the best of a grid. Parameters that are not
+/// identifiable at the start are fixed at their initial values.
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
@@ -80,8 +81,13 @@ impl Identifier for OutputError {
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let problem = Problem::new(task, start::start(task, NAME)?);
         let starts = problem.starts(self.starts);
-        let Some(first) = starts.first() else { return Err(no_start()) };
-        let [lower, upper] = problem.bounds(first);
+        let Some(first) = starts.first().cloned() else { return Err(no_start()) };
+        let at_first = problem.evaluate(&first).ok_or_else(no_start)?;
+        let information = problem.information(&at_first.0.gradient, &at_first.0.hessian);
+        if let Some(j) = least_known(task.model, &problem.p, &information, task.train) {
+            return self.with_fixed(task, j);
+        }
+        let [lower, upper] = problem.bounds(&first);
         let options = MinimiseOptions {
             max_iterations: self.iterations,
             relative_tolerance: 2.0 * NEGLIGIBLE / problem.degrees(),
@@ -95,7 +101,8 @@ impl Identifier for OutputError {
             // every step that is taken lowers the cost, so the lowest is that of the minimum
             let (mut lowest, mut scores) = (f64::INFINITY, DMatrix::zeros(0, x.len()));
             let evaluate = |x: &DVector<f64>| {
-                let (quadratic, z) = problem.evaluate(x)?;
+                let known = (*x == first).then(|| at_first.clone());
+                let (quadratic, z) = known.or_else(|| problem.evaluate(x))?;
                 if quadratic.cost < lowest {
                     (lowest, scores) = (quadratic.cost, z);
                 }
@@ -120,32 +127,43 @@ impl Identifier for OutputError {
     }
 }
 
+impl OutputError {
+    /// The fit with parameter `j`, which is not identifiable, fixed at its initial value.
+    fn with_fixed(&self, task: &Task, j: usize) -> Result<Fit, IdentifyError> {
+        let (parameter, value) = (&task.model.parameters()[j], task.model.initial()[j]);
+        let (symbol, effect) = (parameter.spec.symbol.clone(), parameter.effect.clone());
+        let model = task.model.fix(&symbol, value).map_err(|_| no_start())?;
+        let mut fit = self.identify(&Task { model: &model, ..*task })?;
+        fit.notes.push(Note::Unknown { unknown: Unknown::Held(symbol, value), effect });
+        fit.set_unidentifiable(j);
+        Ok(fit)
+    }
+}
+
 fn no_start() -> IdentifyError {
     IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Simulation }
 }
 
 impl Problem<'_> {
+    /// Information of all parameters about themselves: the initial states are eliminated.
+    fn information(&self, gradient: &DVector<f64>, hessian: &DMatrix<f64>) -> DMatrix<f64> {
+        let count = self.free.len();
+        let states: Vec<usize> = (count..gradient.len()).collect();
+        let own: Vec<usize> = (0..count).collect();
+        among_all(self.model(), &eliminate(hessian, gradient, &states, &own).0)
+    }
+
     fn fit(&self, minimum: &Minimum, scores: &DMatrix<f64>) -> Fit {
         let p = self.parameters(&minimum.x);
         let excess = (2.0 * minimum.cost / self.degrees()).max(1.0);
-        // the initial states are nuisance: what they could take up is projected out
         let count = self.free.len();
-        let nuisance: Vec<usize> = (count..minimum.x.len()).collect();
-        let own: Vec<usize> = (0..count).collect();
-        let information =
-            eliminate(&minimum.hessian, &minimum.gradient, &nuisance, &own).0 / excess;
-        let total = self.p.len();
-        let mut full = DMatrix::zeros(total, total);
-        for (i, &a) in self.free.iter().enumerate() {
-            for (k, &b) in self.free.iter().enumerate() {
-                full[(a, b)] = information[(i, k)];
-            }
-        }
-        let covariance = self.covariance(minimum, scores, &information);
+        let information = self.information(&minimum.gradient, &minimum.hessian) / excess;
+        let of_free = information.select_rows(&self.free).select_columns(&self.free);
+        let covariance = self.covariance(minimum, scores, &of_free);
         let known = identified(
             self.model(),
             &p,
-            &full,
+            &information,
             Some(&covariance),
             SingleAxis::CountedTwice,
             self.task.train,

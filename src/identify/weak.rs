@@ -13,6 +13,9 @@ use crate::recording::Recording;
 /// Windows that touch a wheel slower than this share of the top speed are dropped: what friction
 /// does there is not sgn(w).
 const REST: f64 = 0.025;
+/// Largest share of rows near zero speed in a window with reversals: the relative error of the friction of a start
+/// (judgement).
+const SLOW: f64 = 0.25;
 
 /// One test function ψ = (1 - x²)⁴ over a window of samples.
 #[derive(Clone, Debug)]
@@ -27,18 +30,44 @@ pub(super) struct Window {
 /// Windows of half width `half_width` \[s\], `per_half` of them on each half width, that do not
 /// touch rest and do not cross a gap.
 pub(super) fn windows(recording: &Recording, half_width: f64, per_half: usize) -> Vec<Window> {
-    let half = ((half_width / recording.step()).round() as usize).max(4);
-    let stride = (half / per_half).max(1);
     let rest = REST * recording.top_speed();
     let omega = recording.omega();
+    windows_where(recording, half_width, per_half, |samples| {
+        let sign = omega[samples.start].map(f64::signum);
+        samples.into_iter().all(|k| (0..2).all(|i| omega[k][i] * sign[i] >= rest))
+    })
+}
+
+/// The same across reversals, for a motion that has no longer movement: with the sign of each row's speed, the
+/// Coulomb friction is too small by at most the share [`SLOW`] of rows near zero speed.
+pub(super) fn windows_across_reversals(
+    recording: &Recording,
+    half_width: f64,
+    per_half: usize,
+) -> Vec<Window> {
+    let rest = REST * recording.top_speed();
+    let omega = recording.omega();
+    windows_where(recording, half_width, per_half, |samples| {
+        let allowed = SLOW * samples.len() as f64;
+        let slow = |i: usize| samples.clone().filter(|&k| omega[k][i].abs() < rest).count();
+        (0..2).all(|i| slow(i) as f64 <= allowed)
+    })
+}
+
+fn windows_where(
+    recording: &Recording,
+    half_width: f64,
+    per_half: usize,
+    usable: impl Fn(Range<usize>) -> bool,
+) -> Vec<Window> {
+    let half = ((half_width / recording.step()).round() as usize).max(4);
+    let stride = (half / per_half).max(1);
     let mut out = Vec::new();
     for piece in recording.pieces() {
         let mut centre = piece.start + half;
         while centre + half < piece.end {
             let samples = centre - half..centre + half + 1;
-            let sign = omega[samples.start].map(f64::signum);
-            let moving = |k: usize| (0..2).all(|i| omega[k][i] * sign[i] >= rest);
-            if samples.clone().all(moving) {
+            if usable(samples.clone()) {
                 out.push(window(recording.t(), samples));
             }
             centre += stride;

@@ -47,6 +47,7 @@ pub(crate) use log_product::LogProduct;
 pub(crate) use moments::{Line, Moments, mean};
 pub use nonnegative::nonnegative;
 pub(crate) use normal_equations::{FewCoefficients, NormalEquations};
+pub(crate) use order::trimmed_mean_square;
 pub use order::{median, median_high, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};

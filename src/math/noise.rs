@@ -15,6 +15,8 @@ const EQUAL_SHARE: f64 = 0.05;
 const MULTIPLE_SHARE: f64 = 0.95;
 /// How far a change may be from a multiple, as a share of itself: numbers printed with few digits.
 const PRINTED: f64 = 0.02;
+/// The same in steps, where the step is known from many changes: a continuous signal has one change in five within it.
+const ROUNDED: f64 = 0.1;
 
 /// Variance of the white noise on smooth signals, from their fourth differences.
 ///
@@ -96,15 +98,41 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
 }
 
 /// The smallest change of a signal if 19 of 20 changes are integer multiples of it: the step of a quantised
-/// signal, which may change in every row.
+/// signal, which may change in every row. Values printed with few digits have changes on both sides of the step (2.0 and
+/// 2.1 for 2.08): then it is the step on which they lie best.
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let step = smallest_change(signal)?;
-    let multiple = |w: &[f64]| {
-        let ratio = (w[1] - w[0]).abs() / step;
-        (ratio - ratio.round()).abs() < PRINTED * ratio.max(1.0)
+    let share = |step: f64, off: &dyn Fn(f64) -> f64| {
+        let ratio = |w: &[f64]| (w[1] - w[0]).abs() / step;
+        let on = |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < off(ratio(w));
+        signal.windows(2).filter(on).count() as f64 / signal.len() as f64
     };
-    let multiples = signal.windows(2).filter(|w| multiple(w)).count();
-    (multiples as f64 > MULTIPLE_SHARE * signal.len() as f64).then_some(step)
+    if share(step, &|ratio| PRINTED * ratio.max(1.0)) > MULTIPLE_SHARE {
+        return Some(step);
+    }
+    let mut changes: Vec<f64> = signal.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    changes.retain(|change| *change > 0.0);
+    changes.sort_by(f64::total_cmp);
+    let step = step_of_grid(&changes, step);
+    (share(step, &|_| ROUNDED) > MULTIPLE_SHARE).then_some(step)
+}
+
+/// The step, near `step`, of a grid on which `sizes`, ascending, lie: larger multiples determine it more accurately.
+pub(crate) fn step_of_grid(sizes: &[f64], mut step: f64) -> f64 {
+    let mut reach = 4.0;
+    let largest = sizes.last().copied().unwrap_or(0.0);
+    while reach < 2.0 * largest / step {
+        let near = sizes.iter().take_while(|d| **d < (reach + 0.5) * step);
+        let (size, square) = near.fold((0.0, 0.0), |(size, square), d| {
+            let n = (d / step).round();
+            (size + n * d, square + n * n)
+        });
+        if square > 0.0 {
+            step = size / square;
+        }
+        reach *= 2.0;
+    }
+    step
 }
 
 fn fourth_differences(v: &[f64]) -> Vec<f64> {
@@ -183,6 +211,10 @@ mod tests {
         let printed: Vec<f64> = ticks.iter().map(|a| (a * 1e4).round() * 1e-4).collect();
         // 12.6e-3 appears as 12.5 to 12.6e-3
         assert_close(quantum(&printed).unwrap(), tick, 0.01);
+        // steps of 2.083 printed with one digit: changes of 2.0, 2.1, 4.1, 4.2, ...
+        let speed = |k: u32| (40.0 * (0.02 * f64::from(k)).sin() / 2.083).round() * 2.083;
+        let coarse: Vec<f64> = (0..600).map(|k| (speed(k) * 10.0).round() / 10.0).collect();
+        assert_close(quantum(&coarse).unwrap(), 2.083, 1e-3);
         assert_eq!(quantum(&noise(500, 3)), None);
         assert_eq!(quantum(&[1.0; 9]), None);
         assert_eq!(quantum(&[]), None);

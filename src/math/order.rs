@@ -82,6 +82,14 @@ pub fn robust_deviation(errors: impl IntoIterator<Item = f64>) -> f64 {
     median(errors.into_iter().map(f64::abs)) / NORMAL_UPPER_QUARTILE
 }
 
+/// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps
+/// and gaps do not count, and rows in which nothing changes do not hide the others.
+pub(crate) fn trimmed_mean_square(mut squares: Vec<f64>) -> f64 {
+    squares.sort_by(f64::total_cmp);
+    squares.truncate((squares.len() * 19).div_ceil(20));
+    squares.iter().sum::<f64>() / squares.len().max(1) as f64 / 0.759
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::distribution::normal_quantile;

@@ -12,6 +12,7 @@ mod local;
 mod long;
 mod motion;
 mod noise;
+mod one_step;
 mod quality;
 mod recording;
 mod refresh;

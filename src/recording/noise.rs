@@ -1,6 +1,7 @@
 //! Noise of the channels of a recording, estimated from the recording alone.
 
-use super::{MotionNoise, Noise, Recording};
+use super::one_step::most_noise_of_speeds;
+use super::{DriveUnit, MotionNoise, Noise, Recording};
 use crate::math::{median_high, noise};
 
 /// Length of a block for one estimate \[s\].
@@ -56,7 +57,12 @@ impl Recording {
 
     fn estimate_motion_noise(&self) -> MotionNoise {
         let channel = |values: &[[f64; 2]]| [0, 1].map(|i| self.channel_noise(values, i, true));
-        let (alpha, omega) = (channel(self.alpha()), channel(self.omega()));
+        let (alpha, mut omega) = (channel(self.alpha()), channel(self.omega()));
+        if self.measured().omega {
+            let most = most_noise_of_speeds(self);
+            let rounding = [0, 1].map(|i| quantum(self.omega(), i) / 12.0_f64.sqrt());
+            omega = [0, 1].map(|i| omega[i].min(most[i].max(rounding[i])));
+        }
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         self.most_noise().map_or(MotionNoise { alpha, omega }, |most| MotionNoise {
             alpha: lower(alpha, most.alpha),
@@ -88,8 +94,12 @@ impl Recording {
         let keep = |variance: f64| variance > 0.0 || !sensed;
         let runs = self.runs(values, i, sensed);
         let rounding = |step: f64| step / 12.0_f64.sqrt();
-        // the steps of an input with few levels are commands, not rounding
+        // the steps of an input with few levels are commands, not rounding; voltages in a few levels are exact, however
+        // often they change
         let few = !sensed && is_of_few_levels(values, i);
+        if few && self.drive_unit() == DriveUnit::Volt {
+            return 0.0;
+        }
         match noise::white_noise_variance(&runs, block, SHORTEST, keep) {
             Some(variance) if few => variance.sqrt(),
             Some(variance) => variance.sqrt().max(rounding(quantum(values, i))),

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use super::friction::{Contact, along_freedom, contact, friction};
 use super::input_line::InputLine;
 use super::sum::Sum;
-use crate::effects::{BodyState, Effect, Motion, Terms};
+use crate::effects::{BASE, BodyState, Effect, Motion, Terms};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
 use crate::model::{Model, ModelError, SpeedPolynomial, inverse_mass, solve_mass, times};
 
@@ -23,6 +23,9 @@ pub(super) struct Departure {
     /// Resisting torque on each wheel throughout the step [N m], if levels are constant.
     pub(super) resisting: [f64; 2],
 }
+
+/// Difference of the speeds for the slope of a torque, relative to 1 rad/s and the speed.
+const DIFFERENCE: f64 = 1e-3;
 
 /// A wheel is held without further checks if the holding torque is below its level by this share.
 pub(super) const CLEARLY: f64 = 1.0 - 1e-9;
@@ -87,6 +90,28 @@ impl<'m> Forces<'m> {
         let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
         let x = self.motion(t, y);
         Some(effect.coupling(&x, p)?.fastest_rate(&body.at(&x).mass))
+    }
+
+    /// The fastest rate at which torques that depend on the speeds change them at `y` [1/s], such as 1/τ of a motor
+    /// with back-EMF: the largest row sum of `A⁻¹ ∂τ/∂ω`, with one-sided differences of `τ`. Dry friction has no rate of its
+    /// own, and that of the centrifugal torques of the base model (a3 ω/a1) is too low to matter.
+    pub(super) fn damping_rate(&self, t: f64, y: &Vector) -> f64 {
+        if self.model.effects().len() == BASE.len() {
+            return 0.0;
+        }
+        let none = InputLine::new(t, t + 1.0, &[0.0; 2], &[0.0; 2]);
+        let now = self.acting(t, y, &none).terms;
+        let step = DIFFERENCE * (1.0 + y[2].abs().max(y[3].abs()));
+        let mut sums = [0.0; 2];
+        for wheel in 0..2 {
+            let mut moved = *y;
+            moved[2 + wheel] += step;
+            let torque = self.acting(t, &moved, &none).terms.torque;
+            let slope = [0, 1].map(|i| (torque[i] - now.torque[i]) / step);
+            let Ok(rates) = solve_mass(&now.mass, &slope) else { return 0.0 };
+            (0..2).for_each(|i| sums[i] += rates[i].abs());
+        }
+        sums[0].max(sums[1])
     }
 
     #[inline]

@@ -34,6 +34,33 @@ fn a_wheel_pushed_and_released_follows_the_exact_parabola_and_stops() {
 }
 
 #[test]
+fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
+    // straight driving: (a1 + a2) dω = M - a4 - k ω, with time constants of 1, 1/2, 1/5 and 1/20 of a row
+    let model = Model::base(Robot::amigobot()).add("back_emf").unwrap();
+    let mut p = model.initial();
+    let (inertia, friction, row) = (p[0] + p[1], p[3], 0.02);
+    let t = time(101, row);
+    let input = |t: f64| if (t / 0.2) as usize % 2 == 0 { [1.0; 2] } else { [0.4; 2] };
+    let torque: Vec<_> = t.iter().map(|&t| input(t + 1e-9)).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
+    for per_row in [1.0, 2.0, 5.0, 20.0] {
+        let k = per_row / row * inertia;
+        p[5] = k;
+        let motion = simulate(&model, &p, &input, State::default()).unwrap();
+        let decay = (-per_row as f64).exp();
+        let (mut omega, mut worst) = (0.0, 0.0_f64);
+        for (now, next) in torque.iter().zip(&motion[1..]) {
+            let rest = (now[0] - friction) / k;
+            omega = rest + (omega - rest) * decay;
+            worst = worst.max((next.omega[0] - omega).abs() * k);
+        }
+        // the distance from the equilibrium is at most 1 N m/k: a step errs by 2.6e-4 of it, less what decays since; beyond ten
+        // steps per row by what is left of it
+        assert!(worst < 5e-4, "{per_row}: {worst}");
+    }
+}
+
+#[test]
 fn the_step_size_does_not_matter_even_through_reversals() {
     let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
     let p = model.initial();

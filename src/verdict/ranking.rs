@@ -30,18 +30,21 @@ pub(super) fn ranking(
     judge: &Judge,
     before: Judgement,
 ) -> Result<Vec<CandidateStudy>, SimulateError> {
-    let probabilities = probabilities(&diagnosis.ranking);
+    let judged = |(place, ranked): (usize, &Ranked)| match &ranked.refit {
+        Some(fit) if place < JUDGED => judge.judge(&fit.model, &fit.p).map(Some),
+        _ => Ok(None),
+    };
+    let after: Vec<Option<Judgement>> =
+        diagnosis.ranking.iter().enumerate().map(judged).collect::<Result<_, _>>()?;
+    let most = before.window_rms * (1.0 + THRESHOLDS.least_fall);
+    let raises = |after: &Option<Judgement>| after.as_ref().is_some_and(|j| j.window_rms > most);
+    let probabilities =
+        probabilities(&diagnosis.ranking, &after.iter().map(raises).collect::<Vec<_>>());
     let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
-    diagnosis
-        .ranking
-        .iter()
-        .zip(probabilities)
+    let ranking = diagnosis.ranking.iter().zip(probabilities).zip(after);
+    Ok(ranking
         .enumerate()
-        .map(|(place, (ranked, probability))| {
-            let after = match &ranked.refit {
-                Some(fit) if place < JUDGED => Some(judge.judge(&fit.model, &fit.p)?),
-                _ => None,
-            };
+        .map(|(place, ((ranked, probability), after))| {
             let equals = if place == 0 {
                 diagnosis.steps.first().map(|s| s.equals.clone()).unwrap_or_default()
             } else if ranked.refit.is_some() && (ranked.bic - best).abs() < THRESHOLDS.alike {
@@ -49,9 +52,9 @@ pub(super) fn ranking(
             } else {
                 ranked.candidate.effect.description().equivalent
             };
-            Ok(candidate(ranked, probability, equals, before, after, judge))
+            candidate(ranked, probability, equals, before, after, judge)
         })
-        .collect()
+        .collect())
 }
 
 fn candidate(

@@ -12,10 +12,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::signal::{noise_variance, trimmed};
+use super::super::signal::noise_variance;
 use super::{Finding, Kind, Samples};
-use crate::math::fit;
 use crate::math::noise::fourth_difference_correlation;
+use crate::math::{fit, trimmed_mean_square};
 
 /// Half width of the filters in samples: one of a tenth of the Nyquist frequency, of second order and
 /// run both ways, has decayed to a thousandth there.
@@ -85,7 +85,7 @@ pub(super) fn left(s: &Samples) -> Option<Left> {
     let b = fit(&x, &y, None).ok()?.coefficients;
     let errors = y - &x * &b;
     let freedom = rows.len() as f64 / (rows.len() - 2 * half) as f64;
-    let left = freedom * trimmed(errors.iter().map(|e| e * e).collect());
+    let left = freedom * trimmed_mean_square(errors.iter().map(|e| e * e).collect());
     let at = |j: usize| b.get(j).copied().unwrap_or(0.0);
     let before = |j: usize| j.checked_sub(1).map_or(0.0, at);
     let gain: f64 = (0..=2 * half).map(|j| (before(j) - at(j)).powi(2)).sum();

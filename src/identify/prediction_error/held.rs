@@ -4,8 +4,7 @@ use nalgebra::DMatrix;
 
 use super::descent::{Solution, descend};
 use crate::filter::HorizonFilter;
-use crate::identify::identifiability::{largest_input, torque_of_each};
-use crate::identify::start::covariance_of_free;
+use crate::identify::identifiability::least_known;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
 use crate::model::base::{A1, A2};
@@ -24,19 +23,8 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Fixes, one after the other, parameters whose estimates would be misleading:
-    ///
-    /// ```text
-    /// se_j |torque by parameter j in a curve at the recorded speeds| > largest recorded input
-    /// ```
-    /// An error of one standard error in such a parameter causes a torque as large as the whole
-    /// input, so simulations of another motion with this estimate are meaningless. The parameter
-    /// with the largest of these torques is fixed first, because the others may then be
-    /// identifiable.
-    ///
-    /// For a single axis, mapped to both wheels, only sums are identifiable and no parameter of one
-    /// wheel alone can be fixed: there `se_j` is the error if all others were known, and the
-    /// differences keep their initial values.
+    /// Fixes, one after the other, parameters whose estimates would be misleading ([`least_known`]): the others may then
+    /// be identifiable.
     pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
@@ -91,25 +79,8 @@ impl Held {
         for sums in &self.solution.sums {
             information += sums.information.view((0, 0), (total, total));
         }
-        let single = task.train.iter().all(Recording::is_single_axis);
-        let covariance = if single {
-            DMatrix::from_diagonal(&information.diagonal().map(|i| 1.0 / i))
-        } else {
-            covariance_of_free(&self.model, &information)
-        } * self.solution.scale();
-        let input = largest_input(task.train);
-        let share = |(j, torque): (usize, f64)| {
-            let error = covariance[(j, j)].sqrt() * torque;
-            // a column without torque at one value has none at any other
-            let known = torque == 0.0 && information[(j, j)] > 0.0;
-            (!known && !(error <= input)).then_some((j, error))
-        };
-        let unknown = torque_of_each(&self.model, &self.solution.p, task.train);
-        let unknown = unknown.into_iter().filter(|(j, _)| !self.places.contains(j));
-        // the last of equal ones, a2: a1 is the larger inertia and then stands for the sum
-        let least =
-            unknown.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        least.map(|(j, _)| j)
+        let information = information / self.solution.scale();
+        least_known(&self.model, &self.solution.p, &information, task.train)
     }
 
     /// The notes on the held parameters.

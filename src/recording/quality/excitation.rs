@@ -33,13 +33,8 @@ pub(crate) fn lacking(recordings: &[Recording]) -> Option<Lacking> {
 
 /// The windows in which a wheel moves.
 fn moving(windows: &[Window]) -> Vec<&Window> {
-    let top = quantile(windows.iter().flat_map(|w| w.speed), 0.99);
-    windows.iter().filter(|w| fastest(w) > STANDING * top).collect()
-}
-
-/// Speed of the faster wheel [rad/s].
-fn fastest(w: &Window) -> f64 {
-    w.speed[0].abs().max(w.speed[1].abs())
+    let top = quantile(windows.iter().flat_map(|w| w.size), 0.99);
+    windows.iter().filter(|w| w.size[0].max(w.size[1]) > STANDING * top).collect()
 }
 
 /// What is absent: less than a hundredth of the squares of the other kind.
@@ -97,4 +92,23 @@ fn one_way(moving: &[&Window], i: usize) -> Option<Finding> {
         _ => return None,
     };
     Some(Finding::new(Severity::Note, Issue::OneWay(i, forward)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wheel_that_oscillates_moves() {
+        let window = |speed: f64, size: f64| Window {
+            speed: [speed; 2],
+            size: [size; 2],
+            acceleration: [0.0; 2],
+            angle_rate: [speed; 2],
+            torque: [0.0; 2],
+        };
+        // steady at 10 rad/s, about zero mean with 1 rad/s, and at rest
+        let all = [window(10.0, 10.0), window(0.01, 1.0), window(0.0, 0.01)];
+        assert_eq!(moving(&all), [&all[0], &all[1]]);
+    }
 }

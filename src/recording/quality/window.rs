@@ -10,6 +10,8 @@ use crate::math::Line;
 pub(crate) struct Window {
     /// Mean wheel speed [rad/s].
     pub(crate) speed: [f64; 2],
+    /// RMS wheel speed [rad/s]: a wheel that oscillates moves although its mean speed vanishes.
+    pub(crate) size: [f64; 2],
     /// Slope of the wheel speed [rad/s^2].
     pub(crate) acceleration: [f64; 2],
     /// Slope of the wheel angle [rad/s].
@@ -106,6 +108,8 @@ fn window(v: &View, range: Range<usize>) -> Window {
     let omega = &v.omega[range.clone()];
     Window {
         speed: mean(omega),
+        size: [0, 1]
+            .map(|i| (omega.iter().map(|w| w[i] * w[i]).sum::<f64>() / t.len() as f64).sqrt()),
         acceleration: slope(omega),
         angle_rate: slope(&v.alpha[range.clone()]),
         torque: mean(&v.torque[range]),

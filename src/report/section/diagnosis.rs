@@ -147,11 +147,11 @@ fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
         .strong(words::effect(&candidate.effect))
         .plain(" (")
         .code(&candidate.effect)
-        .plain(format!(
-            "), probability {}: {}.",
-            format::probability(candidate.probability),
-            evidence(candidate, errors)
-        ));
+        .plain(match is_compared(candidate) {
+            true => format!("), probability {}: ", format::probability(candidate.probability)),
+            false => "), without a probability, since its fit could not be compared: ".into(),
+        })
+        .plain(format!("{}.", evidence(candidate, errors)));
     if !candidate.parameters.is_empty() {
         text = text.plain(format!(" {}.", words::list(&parameters(candidate))));
     }
@@ -233,8 +233,14 @@ fn equivalents(candidate: &CandidateStudy) -> String {
     if others.is_empty() { String::new() } else { format!("or {}", others.join(" or ")) }
 }
 
-fn is_fitted(candidate: &CandidateStudy) -> bool {
+/// Whether its criterion is finite.
+fn is_compared(candidate: &CandidateStudy) -> bool {
     candidate.delta_bic.is_finite()
+}
+
+/// Whether it was fitted, though its criterion may not be finite.
+fn is_fitted(candidate: &CandidateStudy) -> bool {
+    is_compared(candidate) || candidate.after.is_some()
 }
 
 /// The candidates that the screening ranked last, in a sentence.

@@ -158,7 +158,8 @@ impl StatedIssue {
                 "rest carries no information on inertia or friction in motion; drive more"
             }
             Self::OneAxis => {
-                "one axis recorded twice: only a1 + a2 and one friction are identifiable"
+                "one axis recorded twice: a1 is its inertia (a2 and a3 are fixed at zero), and of the frictions \
+                 only the sum is identifiable"
             }
             Self::StraightOnly => {
                 "only the sum a1 + a2 is identifiable, and a3 not at all; record curves and turns as well"
