@@ -159,31 +159,31 @@ impl<'m> Forces<'m> {
         [left(0), left(1)]
     }
 
-    /// Whether the directions that stick in the contact state of `from` are clearly held at `y`, where no
-    /// direction has reversed: one direction by its own friction, both wheels by theirs alone (further friction
-    /// can only help). Cases close to breakaway and two-mass drivetrains are left to [`Forces::contact`].
+    /// The acceleration that the directions that stick in the contact state of `from` must prevent at `y`, where no
+    /// direction has reversed, and the one that their friction can prevent [rad/s²]: of a single direction, or of
+    /// the wheel nearer to breakaway by its own friction alone (further friction can only help). `None` for other
+    /// contact states, and for two-mass drivetrains.
     #[inline]
-    pub(super) fn clearly_held(
+    pub(super) fn held(
         &self,
         t: f64,
         y: &Vector,
         input: &InputLine,
         from: &Departure,
-    ) -> bool {
-        let Some(inverse) = &self.inverse else { return false };
+    ) -> Option<(f64, f64)> {
+        let inverse = self.inverse.as_ref()?;
         let (x, stuck) = (self.motion(t, y), from.contact.stuck);
         let level = self.level_at(&x);
         let b = self.remaining(&x, input.at(t), &self.resisting(&level, &from.contact.sign));
-        match stuck {
-            [true, true, ..] => (0..2).all(|i| b[i].abs() < level[i] * CLEARLY),
-            _ => {
-                let moves = |k: usize| level[k] <= 0.0 || along(k, &x.omega) != 0.0;
-                let stuck = stuck.iter().position(|stuck| *stuck);
-                stuck.is_some_and(|j| {
-                    holds(inverse, j, level[j], &b) && (0..4).all(|k| k == j || moves(k))
-                })
-            }
+        if stuck[0] && stuck[1] {
+            let [m11, _, m22] = self.wheel.constant.mass;
+            let (first, second) =
+                ((b[0].abs() / m11, level[0] / m11), (b[1].abs() / m22, level[1] / m22));
+            return Some(if first.0 - first.1 > second.0 - second.1 { first } else { second });
         }
+        let j = stuck.iter().position(|stuck| *stuck)?;
+        let moves = |k: usize| level[k] <= 0.0 || along(k, &x.omega) != 0.0;
+        (0..4).all(|k| k == j || moves(k)).then(|| hold(inverse, j, level[j], &b))
     }
 
     /// The levels of dry friction at one instant [N m].
@@ -329,12 +329,12 @@ impl<'m> Forces<'m> {
     }
 }
 
-/// Whether friction of this level along direction `j` clearly prevents motion along it under the torques `b`,
-/// while the other directions with friction move.
+/// The acceleration along direction `j` that the torques `b` would cause without friction along it, and the one
+/// that friction of this level can prevent [rad/s²], while the other directions with friction move.
 #[inline]
-pub(super) fn holds(inverse: &[f64; 3], j: usize, level: f64, b: &[f64; 2]) -> bool {
+pub(super) fn hold(inverse: &[f64; 3], j: usize, level: f64, b: &[f64; 2]) -> (f64, f64) {
     let (free, slowed) = (times(inverse, b), times(inverse, &DIRECTIONS[j]));
-    along(j, &free).abs() < level * along(j, &slowed) * CLEARLY
+    (along(j, &free).abs(), level * along(j, &slowed))
 }
 
 /// All rates from the acceleration of the wheels.

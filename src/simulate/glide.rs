@@ -3,7 +3,7 @@
 
 use std::convert::Infallible;
 
-use super::forces::{Departure, Forces, Vector, holds};
+use super::forces::{CLEARLY, Departure, Forces, Vector, hold};
 use super::friction::{Contact, perpendicular};
 use super::input_line::InputLine;
 use crate::effects::{Motion, along};
@@ -38,7 +38,7 @@ impl Glide {
 
 impl Forces<'_> {
     /// The start of a completed step from `y` at `t`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn start_of(&self, glide: &Glide, t: f64, y: &Vector) -> Departure {
         let a = glide.first;
         let sign = glide.sliding.map_or([0.0; 4], |sliding| sliding.sign);
@@ -118,7 +118,8 @@ impl Forces<'_> {
             self.remaining_rough(&self.motion(t, y), torque, &sliding.sign)
         };
         let held = |t: f64, y: &Vector, b: &[f64; 2]| {
-            holds(inverse, j, self.level_at(&self.motion(t, y))[j], b)
+            let (needed, available) = hold(inverse, j, self.level_at(&self.motion(t, y))[j], b);
+            needed < available * CLEARLY
         };
         let b = left(from, y, input.at(from));
         if !held(from, y, &b) {

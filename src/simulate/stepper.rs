@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::SimulateError;
 use super::event::{crossing, onset};
-use super::forces::{Departure, Forces, Vector};
+use super::forces::{CLEARLY, Departure, Forces, Vector};
 use super::friction::{Contact, perpendicular};
 use super::input_line::InputLine;
 use crate::effects::along;
@@ -152,7 +152,7 @@ impl<'m> Stepper<'m> {
                 }
                 return Ok(());
             }
-            let (t, after) = self.locate(&start, (to, beyond), input)?;
+            let (t, after) = self.locate(&start, to, (&whole, beyond), input)?;
             observer.smooth(&self.forces, &start, t, &after, input);
             self.y = after;
             let arrived = self.rest(&start.contact, &after);
@@ -179,23 +179,27 @@ impl<'m> Stepper<'m> {
         if backward > 0.0 || start.freedom.is_none() {
             return Ok(backward);
         }
-        if self.forces.clearly_held(t, y, input, start) {
-            return Ok(0.0);
+        let held = self.forces.held(t, y, input, start);
+        if let Some((needed, available)) = held
+            && needed < available * CLEARLY
+        {
+            return Ok(needed - available);
         }
         let now = self.forces.contact(t, y, input)?;
         if now.stuck == c.stuck {
-            return Ok(0.0);
+            return Ok(held.map_or(0.0, |(needed, available)| (needed - available).min(0.0)));
         }
         let rates = (0..4).filter(|&j| c.stuck[j]).map(|j| along(j, &now.acceleration).abs());
         Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
     }
 
     /// The instant from which on [`Stepper::excess`] is positive, to 1e-12 of the whole, and the state there; at
-    /// the end of the step it is `beyond`.
+    /// `end`, the state at `to`, it is `beyond`.
     fn locate(
         &self,
         start: &Departure,
-        (to, beyond): (f64, f64),
+        to: f64,
+        (end, beyond): (&Vector, f64),
         input: &InputLine,
     ) -> Result<(f64, Vector), SimulateError> {
         // the last trial beyond the event is the result of the search
@@ -210,10 +214,16 @@ impl<'m> Stepper<'m> {
             Ok::<_, SimulateError>(excess)
         };
         let h = to - start.t;
-        let step = if start.freedom.is_some() {
-            onset(h, beyond, excess)?
+        let before = match start.freedom {
+            // at a breakaway the excess is an acceleration on both sides, at a reversal of another direction not
+            Some(_) if fastest_backward(end, &start.contact) > 0.0 => 0.0,
+            Some(_) => self.excess(start, start.t, &start.y, input)?,
+            None => fastest_backward(&start.y, &start.contact),
+        };
+        let step = if start.freedom.is_none() || before < 0.0 {
+            crossing(h, [before, beyond], excess)?
         } else {
-            crossing(h, [fastest_backward(&start.y, &start.contact), beyond], excess)?
+            onset(h, beyond, excess)?
         };
         let (t, (tried, y)) = (start.t + step, last.get());
         let y = if tried == step { y } else { self.forces.step(start, t, input)? };
