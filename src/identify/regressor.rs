@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::Task;
-use crate::effects::{Motion, Terms, along};
+use crate::effects::{Motion, Terms, along, with_friction};
 use crate::math::sgn;
-use crate::model::{Linearisation, Model, times};
+use crate::model::{Linearisation, Model, SpeedPolynomial, Variation, times};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
@@ -20,6 +20,59 @@ pub(super) struct Regressor<'a> {
     pub(super) linear: Vec<usize>,
     /// Parameters with all linear ones at zero.
     unit: Vec<f64>,
+    /// The columns of each effect if they are polynomials: its given part, and its linear parameters.
+    polynomials: Vec<Option<(Column, Vec<Column>)>>,
+}
+
+/// A column whose torque is a second-degree polynomial of the speeds, with a constant mass matrix and constant
+/// levels of dry friction.
+struct Column {
+    mass: [f64; 3],
+    torque: SpeedPolynomial,
+    level: [f64; 4],
+}
+
+impl Column {
+    /// The column with these terms at given speeds.
+    fn of(terms: impl Fn([f64; 2]) -> Terms<f64>) -> Self {
+        let Terms { mass, level, .. } = terms([0.0; 2]);
+        Self { mass, torque: SpeedPolynomial::through(|omega| terms(omega).torque), level }
+    }
+
+    fn torque(&self, omega: [f64; 2], sign: &[f64; 4]) -> [f64; 2] {
+        let ([constant, ..], [first, second]) = (self.torque.factors, self.torque.rest(omega));
+        with_friction([constant[0] + first, constant[1] + second], &self.level, sign)
+    }
+}
+
+/// The columns of effect `e`, if all are polynomials; `unit` are the parameters with the linear ones at zero.
+fn columns(model: &Model, e: usize, unit: &[f64]) -> Option<(Column, Vec<Column>)> {
+    let (slots, variations) = (model.slots(e), model.variations(e));
+    let constant =
+        variations.mass <= Variation::Constant && variations.level <= Variation::Constant;
+    if !constant || variations.torque > Variation::Quadratic {
+        return None;
+    }
+    let at = |omega: [f64; 2], p: &[f64]| {
+        model.effects()[e].terms(&Motion::at(0.0, [0.0; 2], omega, model.robot()), p)
+    };
+    let none = &unit[slots.clone()];
+    let one = |j: usize| {
+        let mut p = none.to_vec();
+        p[j - slots.start] = 1.0;
+        Column::of(|omega| difference(&at(omega, &p), &at(omega, none)))
+    };
+    let own = model.linear().into_iter().filter(|j| slots.contains(j)).map(one).collect();
+    Some((Column::of(|omega| at(omega, none)), own))
+}
+
+/// `with` minus `without`.
+fn difference(with: &Terms<f64>, without: &Terms<f64>) -> Terms<f64> {
+    Terms {
+        mass: [0, 1, 2].map(|i| with.mass[i] - without.mass[i]),
+        torque: [0, 1].map(|i| with.torque[i] - without.torque[i]),
+        level: [0, 1, 2, 3].map(|j| with.level[j] - without.level[j]),
+    }
 }
 
 /// The acting input around each sample: that of the sample for a linear input; for one held at the
@@ -85,7 +138,8 @@ impl<'a> Regressor<'a> {
         for &j in &linear {
             unit[j] = 0.0;
         }
-        Self { model, linear, unit }
+        let polynomials = (0..model.effects().len()).map(|e| columns(model, e, &unit)).collect();
+        Self { model, linear, unit, polynomials }
     }
 
     /// Number of columns.
@@ -95,31 +149,52 @@ impl<'a> Regressor<'a> {
 
     /// The balance at one instant.
     pub(super) fn at(&self, motion: &Motion<f64>) -> Balance {
+        let mut balance = Balance::default();
+        self.write(motion, &mut balance);
+        balance
+    }
+
+    /// [`Regressor::at`] in place of another balance.
+    pub(super) fn write(&self, motion: &Motion<f64>, out: &mut Balance) {
         let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &motion.omega)));
-        let mut unit = self.unit.clone();
-        let mut given = Terms::zero();
-        let mut out = Balance {
-            mass: Vec::with_capacity(self.width() + 1),
-            torque: Vec::with_capacity(self.width() + 1),
-        };
-        let mut linear = self.linear.iter().copied().peekable();
-        for (e, effect) in self.model.effects().iter().enumerate() {
-            let slots = self.model.slots(e);
-            let without = effect.terms(motion, &unit[slots.clone()]);
-            given.add(&without);
-            let rest = without.total_torque(&[0.0; 2], &sign);
-            while let Some(j) = linear.next_if(|j| slots.contains(j)) {
-                unit[j] = 1.0;
-                let with = effect.terms(motion, &unit[slots.clone()]);
-                unit[j] = 0.0;
-                let torque = with.total_torque(&[0.0; 2], &sign);
-                out.mass.push([0, 1, 2].map(|i| with.mass[i] - without.mass[i]));
-                out.torque.push([0, 1].map(|i| torque[i] - rest[i]));
-            }
+        let (mut mass, mut torque) = ([0.0; 3], [0.0; 2]);
+        out.mass.clear();
+        out.torque.clear();
+        for (e, columns) in self.polynomials.iter().enumerate() {
+            let (given, given_torque) = match columns {
+                Some((given, own)) => {
+                    out.mass.extend(own.iter().map(|column| column.mass));
+                    out.torque.extend(own.iter().map(|column| column.torque(motion.omega, &sign)));
+                    (given.mass, given.torque(motion.omega, &sign))
+                }
+                None => self.write_effect(e, motion, &sign, out),
+            };
+            (0..3).for_each(|i| mass[i] += given[i]);
+            (0..2).for_each(|i| torque[i] += given_torque[i]);
         }
-        out.mass.push(given.mass);
-        out.torque.push(given.total_torque(&[0.0; 2], &sign));
-        out
+        out.mass.push(mass);
+        out.torque.push(torque);
+    }
+
+    /// Adds the columns of an effect that has other terms; returns mass and torque of its given part.
+    fn write_effect(
+        &self,
+        e: usize,
+        motion: &Motion<f64>,
+        sign: &[f64; 4],
+        out: &mut Balance,
+    ) -> ([f64; 3], [f64; 2]) {
+        let (effect, slots) = (&self.model.effects()[e], self.model.slots(e));
+        let mut unit = self.unit[slots.clone()].to_vec();
+        let without = effect.terms(motion, &unit);
+        for j in self.linear.iter().filter(|j| slots.contains(j)) {
+            unit[j - slots.start] = 1.0;
+            let column = difference(&effect.terms(motion, &unit), &without);
+            unit[j - slots.start] = 0.0;
+            out.mass.push(column.mass);
+            out.torque.push(column.total_torque(&[0.0; 2], sign));
+        }
+        (without.mass, without.total_torque(&[0.0; 2], sign))
     }
 
     /// Room for [`Regressor::slopes`]: the model at each column.
@@ -153,5 +228,45 @@ impl<'a> Regressor<'a> {
         }
         out.push(given);
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects;
+    use crate::robot::Robot;
+
+    #[test]
+    fn columns_that_are_polynomials_are_those_of_the_terms() {
+        let mut polynomials = 0;
+        for effect in effects::all() {
+            let Ok(model) = Model::with_effects(Robot::amigobot(), &[effect.id()]) else {
+                continue;
+            };
+            let regressor = Regressor::new(&model, &model.initial());
+            polynomials += regressor.polynomials.iter().flatten().count();
+            for omega in [[1.3, -0.8], [4.0, 6.5], [-2.0, 0.0]] {
+                let motion = Motion::at(0.4, [0.2, -0.7], omega, model.robot());
+                let (found, mut expected) = (regressor.at(&motion), Balance::default());
+                let sign = [0, 1, 2, 3].map(|j| sgn(along(j, &omega)));
+                let (mut mass, mut torque) = ([0.0; 3], [0.0; 2]);
+                for e in 0..model.effects().len() {
+                    let given = regressor.write_effect(e, &motion, &sign, &mut expected);
+                    (0..3).for_each(|i| mass[i] += given.0[i]);
+                    (0..2).for_each(|i| torque[i] += given.1[i]);
+                }
+                expected.mass.push(mass);
+                expected.torque.push(torque);
+                assert_eq!(found.mass, expected.mass, "{}", effect.id());
+                for (found, expected) in found.torque.iter().zip(&expected.torque) {
+                    for i in 0..2 {
+                        // rounding of products of speeds up to 42 rad²/s²
+                        assert!((found[i] - expected[i]).abs() < 1e-13, "{}", effect.id());
+                    }
+                }
+            }
+        }
+        assert!(polynomials > 40, "{polynomials}");
     }
 }

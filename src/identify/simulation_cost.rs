@@ -12,7 +12,7 @@ use crate::filter::{Information, Prepared, prepare};
 use crate::math::descent::Quadratic;
 use crate::model::Model;
 use crate::robot::State;
-use crate::simulate::{Hold, Input, LANES, follow, simulate};
+use crate::simulate::{Hold, Input, LANES, column_of_start, follow, simulate};
 
 /// Standard deviation of the logarithm of scattered starts.
 const SCATTER: f64 = 0.3;
@@ -206,7 +206,8 @@ impl<'a> Problem<'a> {
             .ok()?;
             blocks.push(sums.take_score());
             let (curvature, _) = sums.finish();
-            let columns = self.free.iter().copied().chain(p.len()..p.len() + 4);
+            let of_start = (0..4).map(|i| column_of_start(p.len(), i));
+            let columns = self.free.iter().copied().chain(of_start);
             let places = (0..count).chain(count + 4 * n..count + 4 * n + 4);
             let own: Vec<(usize, usize)> = columns.zip(places).collect();
             for &(c, i) in &own {

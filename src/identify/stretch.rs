@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use wide::f64x4;
 
-use super::regressor::Regressor;
+use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
 use crate::math::filter::{Extension, Section, butterworth, filter_both_ways};
 use crate::model::Model;
@@ -259,6 +259,7 @@ impl Stretch<'_> {
         let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);
         let width = out.width;
         let mut groups = vec![vec![f64x4::ZERO; t.len()]; out.groups.len()];
+        let mut balance = Balance::default();
         for k in 0..t.len() {
             let w = omega[k].as_array();
             let motion = Motion::at(
@@ -267,7 +268,7 @@ impl Stretch<'_> {
                 [w[0], w[1]],
                 model.robot(),
             );
-            let balance = regressor.at(&motion);
+            regressor.write(&motion, &mut balance);
             let (before, after) = (k.saturating_sub(1), (k + 1).min(t.len() - 1));
             let slope = (omega[after] - omega[before]) * (1.0 / (t[after] - t[before]));
             let a = [slope.as_array()[0], slope.as_array()[1]];

@@ -142,32 +142,36 @@ pub(super) fn weak_rows(
     let width = regressor.width();
     let mut needed = vec![false; recording.len()];
     windows.iter().for_each(|w| needed[w.samples.clone()].fill(true));
-    let balances: Vec<Balance> = (0..recording.len())
-        .map(|k| {
-            if needed[k] {
-                regressor.at(&motion_at(task, recording, k, omega[k]))
-            } else {
-                Balance::default()
-            }
-        })
-        .collect();
+    // torque and momentum of every column, row by row
+    let mut sides = vec![[[0.0; 2]; 2]; recording.len() * (width + 1)];
+    let mut balance = Balance::default();
+    for (k, row) in sides.chunks_exact_mut(width + 1).enumerate().filter(|(k, _)| needed[*k]) {
+        regressor.write(&motion_at(task, recording, k, omega[k]), &mut balance);
+        for (c, side) in row.iter_mut().enumerate() {
+            *side = [balance.torque[c], balance.carried(c, &omega[k])];
+        }
+    }
     let mut x = DMatrix::zeros(2 * windows.len(), width);
     let mut y = DVector::zeros(2 * windows.len());
+    let mut sums = vec![[0.0; 2]; width + 1];
     for (n, window) in windows.iter().enumerate() {
-        for (k, (weight, slope)) in
-            window.samples.clone().zip(window.weight.iter().zip(&window.slope))
-        {
-            for c in 0..=width {
-                let momentum = balances[k].carried(c, &omega[k]);
+        sums.fill([0.0; 2]);
+        let mut driving = [0.0; 2];
+        let first = window.samples.start * (width + 1);
+        let rows = sides[first..].chunks_exact(width + 1).zip(&input[window.samples.clone()]);
+        for ((row, input), (weight, slope)) in rows.zip(window.weight.iter().zip(&window.slope)) {
+            for (sum, [torque, momentum]) in sums.iter_mut().zip(row) {
                 for wheel in 0..2 {
-                    let value = weight * balances[k].torque[c][wheel] - slope * momentum[wheel];
-                    if c < width {
-                        x[(2 * n + wheel, c)] += value;
-                    } else {
-                        y[2 * n + wheel] += weight * input[k][wheel] - value;
-                    }
+                    sum[wheel] += weight * torque[wheel] - slope * momentum[wheel];
                 }
             }
+            (0..2).for_each(|wheel| driving[wheel] += weight * input[wheel]);
+        }
+        for wheel in 0..2 {
+            for c in 0..width {
+                x[(2 * n + wheel, c)] = sums[c][wheel];
+            }
+            y[2 * n + wheel] = driving[wheel] - sums[width][wheel];
         }
     }
     (x, y)

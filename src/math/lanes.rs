@@ -1,13 +1,14 @@
 //! SIMD vectors of the widest registers that the processor supports, selected at run time.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use std::sync::LazyLock;
 
 use pulp::{Simd, WithSimd};
 
 /// A SIMD vector in a register of `S`: 8 numbers with AVX-512, 4 with AVX2, 2 on ARM, 1 elsewhere.
 ///
-/// Sums and products are never fused, so that every number is the same to the last bit whatever the other
-/// lanes contain and however wide the register is.
+/// Products and sums are fused only by [`Lanes::times_plus`], and then always, so that every number is the same to
+/// the last bit whatever the other lanes contain and however wide the register is.
 ///
 /// Functions that work on lanes are `#[inline(always)]` and have no closures in their loops: code that is not
 /// inlined below [`WithSimd::with_simd`] is compiled without the wide instructions and passes its registers
@@ -125,6 +126,13 @@ impl<S: Simd> Lanes<S> {
         registers[0] = self.numbers;
     }
 
+    /// `self · factor + more`, rounded once. Slow without [`are_wide`], where the processor has no such instruction.
+    #[inline(always)]
+    pub(crate) fn times_plus(self, factor: Self, more: Self) -> Self {
+        let numbers = self.simd.mul_add_f64s(self.numbers, factor.numbers, more.numbers);
+        Self { simd: self.simd, numbers }
+    }
+
     /// The maximum of each number and `least`.
     #[inline(always)]
     pub(crate) fn max(self, least: f64) -> Self {
@@ -172,15 +180,16 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn exp(self) -> Self {
         const C: [f64; 14] = INVERSE_FACTORIALS;
+        let c = |k: usize| Self::splat(self.simd, C[k]);
         let r = self.max(-LARGEST_EXPONENT).min(LARGEST_EXPONENT) * (1.0 / 128.0);
         let square = r * r;
         let fourth = square * square;
         // in an order in which the operations are independent
-        let first = (r * C[1] + C[0]) + square * (r * C[3] + C[2]);
-        let second = (r * C[5] + C[4]) + square * (r * C[7] + C[6]);
-        let third = (r * C[9] + C[8]) + square * (r * C[11] + C[10]);
-        let last = third + fourth * (r * C[13] + C[12]);
-        let mut power = first + fourth * (second + fourth * last);
+        let first = r.times_plus(c(3), c(2)).times_plus(square, r.times_plus(c(1), c(0)));
+        let second = r.times_plus(c(7), c(6)).times_plus(square, r.times_plus(c(5), c(4)));
+        let third = r.times_plus(c(11), c(10)).times_plus(square, r.times_plus(c(9), c(8)));
+        let last = r.times_plus(c(13), c(12)).times_plus(fourth, third);
+        let mut power = last.times_plus(fourth, second).times_plus(fourth, first);
         for _ in 0..7 {
             power = power * power;
         }
@@ -188,9 +197,18 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
+/// The widest registers of this processor; queried once, because the query takes as long as a short computation.
+static WIDEST: LazyLock<pulp::Arch> = LazyLock::new(pulp::Arch::new);
+
 /// Runs `work` with the widest registers of this processor.
+#[inline]
 pub(crate) fn in_lanes<W: WithSimd>(work: W) -> W::Output {
-    pulp::Arch::new().dispatch(work)
+    WIDEST.dispatch(work)
+}
+
+/// Whether this processor has registers of several numbers, and instructions that fuse products and sums.
+pub(crate) fn are_wide() -> bool {
+    !matches!(*WIDEST, pulp::Arch::Scalar)
 }
 
 /// Every width of registers that this processor has, the narrowest first.

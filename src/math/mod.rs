@@ -41,7 +41,7 @@ pub use information::{Information, eliminate};
 pub use integral::{cumulative_trapezoid, trapezoid};
 #[cfg(test)]
 pub(crate) use lanes::every_width;
-pub(crate) use lanes::{Lanes, Mask, in_lanes};
+pub(crate) use lanes::{Lanes, Mask, are_wide, in_lanes};
 pub use least_squares::{LinearFit, fit};
 pub(crate) use log_product::LogProduct;
 pub(crate) use moments::{Line, Moments, mean};

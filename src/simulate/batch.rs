@@ -1,17 +1,15 @@
 //! Simulations with many parameter vectors and one input in the lanes of the processor; each is reduced to
 //! its ISE.
 
-use std::convert::Infallible;
-
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::forces::CLEARLY;
 use super::input_line::InputLine;
-use super::stepper::{SPEED_LIMIT, Stepper, pieces_between};
+use super::stepper::{SPEED_LIMIT, Stepper, edge, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};
 use crate::effects::BASE;
-use crate::math::{Lanes, Mask, in_lanes, runge_kutta_step, trapezoid};
+use crate::math::{Lanes, Mask, are_wide, in_lanes, trapezoid};
 use crate::model::{Model, base};
 use crate::robot::{BaseParameters, State, centrifugal_torques};
 
@@ -29,7 +27,7 @@ const TOGETHER: usize = 16;
 /// widest registers of the processor. Sliding or sticking throughout a step is computed in the lanes; if a
 /// wheel stops, reverses or breaks away within a step, that lane is integrated by the scalar integrator. The
 /// result therefore equals that of [`simulate`] to rounding, and is identical to the last bit for every width
-/// of the registers. Models with further effects are simulated sequentially.
+/// of the registers. Models with further effects, and processors without wide registers, simulate sequentially.
 ///
 /// # Errors
 /// Each vector has its own result, with the errors of [`simulate`].
@@ -61,7 +59,7 @@ pub fn ise_of_many(
     measured: &[[f64; 2]],
 ) -> Vec<Result<f64, SimulateError>> {
     assert_eq!(measured.len(), input.t.len(), "one row of speeds a sample");
-    if !model.effects().iter().map(|effect| effect.id()).eq(BASE) {
+    if !are_wide() || !model.effects().iter().map(|effect| effect.id()).eq(BASE) {
         return parameters
             .par_iter()
             .map(|p| Ok(ise(input.t, measured, &simulate(model, p, input, start)?)))
@@ -134,7 +132,7 @@ struct Part {
 
 impl Part {
     fn of(piece: usize, pieces: usize, (from, to): (f64, f64), input: &InputLine) -> Self {
-        let edge = |k: usize| from + (to - from) * k as f64 / pieces as f64;
+        let edge = |piece: usize| edge(from, to, (piece, pieces));
         let (from, to) = (edge(piece), edge(piece + 1));
         let torque = [input.at(from), input.at(from + 0.5 * (to - from)), input.at(to)];
         Self { from, to, torque }
@@ -278,17 +276,19 @@ impl<'a, S: Simd> Batch<'a, S> {
     fn step(&self, h: f64, [start, middle, end]: &[[f64; 2]; 3]) -> (Wheels<S>, Mask<S>) {
         let motion = self.motion();
         let w = self.omega;
-        let inputs = [start, middle, end];
-        let Ok(after) = runge_kutta_step(
-            &w,
-            h,
-            // a function without a closure, which would not be compiled for wide registers
-            #[inline(always)]
-            |c, w| {
-                let torque = inputs[(2.0 * c) as usize];
-                Ok::<_, Infallible>(self.acceleration(w, torque, &motion))
-            },
-        );
+        let (half, whole) = (Lanes::splat(self.simd, 0.5 * h), Lanes::splat(self.simd, h));
+        let in_middle = self.driven(middle, &motion);
+        let first = self.acceleration(&w, &self.driven(start, &motion), &motion);
+        let second = self.acceleration(&along(&w, half, &first), &in_middle, &motion);
+        let third = self.acceleration(&along(&w, half, &second), &in_middle, &motion);
+        let at_end = self.driven(end, &motion);
+        let fourth = self.acceleration(&along(&w, whole, &third), &at_end, &motion);
+        let (two, sixth) = (Lanes::splat(self.simd, 2.0), Lanes::splat(self.simd, h / 6.0));
+        let mut mean = w;
+        for i in 0..2 {
+            mean[i] = (second[i] + third[i]).times_plus(two, first[i] + fourth[i]);
+        }
+        let after = along(&w, sixth, &mean);
         let zero = Lanes::splat(self.simd, 0.0);
         let reversed = (motion.friction[0] * after[0]).below(zero)
             | (motion.friction[1] * after[1]).below(zero);
@@ -324,36 +324,51 @@ impl<'a, S: Simd> Batch<'a, S> {
         Motion { friction, stuck, any_stuck, mobility }
     }
 
-    /// Sum of the torques on each wheel except inertia: input minus centrifugal torque and friction.
+    /// Accelerations due to input and friction.
     #[inline(always)]
-    fn force(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
-        let turning = centrifugal_torques(self.a3, *w);
-        [0, 1].map(|i| Lanes::splat(self.simd, torque[i]) - turning[i] - motion.friction[i])
+    fn driven(&self, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
+        let first = Lanes::splat(self.simd, torque[0]) - motion.friction[0];
+        let second = Lanes::splat(self.simd, torque[1]) - motion.friction[1];
+        let [m11, m12, m22] = motion.mobility;
+        [m11.times_plus(first, m12 * second), m22.times_plus(second, m12 * first)]
     }
 
+    /// Accelerations at the speeds `w`: `driven`, and those due to the centrifugal torques a3 w2 (w2 - w1) and
+    /// a3 w1 (w1 - w2).
     #[inline(always)]
-    fn acceleration(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Wheels<S> {
-        let b = self.force(w, torque, motion);
+    fn acceleration(&self, w: &Wheels<S>, driven: &Wheels<S>, motion: &Motion<S>) -> Wheels<S> {
+        let turn = self.a3 * (w[1] - w[0]);
         let [m11, m12, m22] = motion.mobility;
-        [m11 * b[0] + m12 * b[1], m12 * b[0] + m22 * b[1]]
+        [
+            turn.times_plus(m12 * w[0] - m11 * w[1], driven[0]),
+            turn.times_plus(m22 * w[0] - m12 * w[1], driven[1]),
+        ]
     }
 
     /// Lanes in which a sticking wheel is not clearly held against the torque that the other wheel transmits
     /// through a2, or another wheel is at rest.
     #[inline(always)]
     fn loose(&self, w: &Wheels<S>, torque: &[f64; 2], motion: &Motion<S>) -> Mask<S> {
-        let b = self.force(w, torque, motion);
-        let a = self.acceleration(w, torque, motion);
+        let turning = centrifugal_torques(self.a3, *w);
+        let a = self.acceleration(w, &self.driven(torque, motion), motion);
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         let mut held = [one; 2];
         for i in 0..2 {
-            let need = (b[i] - self.a2 * a[1 - i]).abs();
+            // a sticking wheel has no friction yet
+            let b = Lanes::splat(self.simd, torque[i]) - turning[i];
+            let need = (b - self.a2 * a[1 - i]).abs();
             let enough = need.below(self.level[i] * CLEARLY).select(one, zero);
             let moves = w[i].equals(zero).select(zero, one);
             held[i] = motion.stuck[i].select(enough, moves);
         }
         (held[0] * held[1]).below(one)
     }
+}
+
+/// `w + h k`.
+#[inline(always)]
+fn along<S: Simd>(w: &Wheels<S>, h: Lanes<S>, k: &Wheels<S>) -> Wheels<S> {
+    [k[0].times_plus(h, w[0]), k[1].times_plus(h, w[1])]
 }
 
 /// The number of each lane; zeros beyond the width of the register.

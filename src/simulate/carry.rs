@@ -9,9 +9,6 @@ use super::forcing::{Forcing, LANES, Pair, Quantities};
 use crate::math::{Lanes, runge_kutta_motion, runge_kutta_step};
 use crate::model::times;
 
-/// Derivatives of (alpha1, alpha2, omega1, omega2) with respect to [`LANES`] columns.
-pub(super) type Group = [[f64; LANES]; 4];
-
 /// The variational equation at one instant, solved for the accelerations: `dω' = by_state · (dα, dω) +
 /// forcing`.
 #[derive(Clone)]
@@ -54,8 +51,10 @@ pub(super) type InputSlope = (usize, [[f64; 2]; 2]);
 /// A step of the first `columns` columns if nothing depends on the angles, which are then integrated from the
 /// speeds.
 pub(super) struct Carry<'a> {
-    pub(super) nodes: &'a mut [Node; 3],
-    pub(super) groups: &'a mut [Group],
+    /// At the start, in the middle and at the end.
+    pub(super) nodes: [&'a mut Node; 3],
+    /// Derivatives of alpha1, alpha2, omega1 and omega2, each a row of all columns.
+    pub(super) rows: [&'a mut [f64]; 4],
     pub(super) h: f64,
     pub(super) columns: usize,
 }
@@ -80,7 +79,8 @@ impl WithSimd for Slide<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (input, inverse) = self.input;
-        for (node, solved) in self.carry.nodes.iter_mut().zip(self.solved) {
+        for n in 0..3 {
+            let (node, solved) = (&mut *self.carry.nodes[n], &self.solved[n]);
             let Some((quantities, share)) = solved else { continue };
             self.forcing.write(simd, quantities, self.carry.columns, &mut node.forcing);
             for (j, [start, end]) in input {
@@ -104,29 +104,28 @@ impl WithSimd for Carry<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let [start, middle, end] = self.nodes;
-        for (g, group) in self.groups.iter_mut().enumerate() {
-            let asked = self.columns.saturating_sub(g * LANES).min(LANES);
-            for r in (0..asked).step_by(Lanes::<S>::COUNT) {
-                let angles = [Lanes::load(simd, &group[0][r..]), Lanes::load(simd, &group[1][r..])];
-                let speeds = [Lanes::load(simd, &group[2][r..]), Lanes::load(simd, &group[3][r..])];
-                let first = start.rate(simd, (g, r), &speeds);
-                let Ok((angles, speeds)) = runge_kutta_motion(
-                    &angles,
-                    &speeds,
-                    &first,
-                    self.h,
-                    // a function without a closure, which would not be compiled for wide registers
-                    #[inline(always)]
-                    |c, _, w| {
-                        let node = if c < 1.0 { &*middle } else { &*end };
-                        Ok::<_, Infallible>(node.rate(simd, (g, r), w))
-                    },
-                );
-                angles[0].store(&mut group[0][r..]);
-                angles[1].store(&mut group[1][r..]);
-                speeds[0].store(&mut group[2][r..]);
-                speeds[1].store(&mut group[3][r..]);
-            }
+        let [a1, a2, w1, w2] = self.rows;
+        for c in (0..self.columns).step_by(Lanes::<S>::COUNT) {
+            let place = (c / LANES, c % LANES);
+            let angles = [Lanes::load(simd, &a1[c..]), Lanes::load(simd, &a2[c..])];
+            let speeds = [Lanes::load(simd, &w1[c..]), Lanes::load(simd, &w2[c..])];
+            let first = start.rate(simd, place, &speeds);
+            let Ok((angles, speeds)) = runge_kutta_motion(
+                &angles,
+                &speeds,
+                &first,
+                self.h,
+                // a function without a closure, which would not be compiled for wide registers
+                #[inline(always)]
+                |c, _, w| {
+                    let node = if c < 1.0 { &*middle } else { &*end };
+                    Ok::<_, Infallible>(node.rate(simd, place, w))
+                },
+            );
+            angles[0].store(&mut a1[c..]);
+            angles[1].store(&mut a2[c..]);
+            speeds[0].store(&mut w1[c..]);
+            speeds[1].store(&mut w2[c..]);
         }
     }
 }
@@ -136,38 +135,36 @@ impl WithSimd for Turn<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Carry { nodes: [start, middle, end], groups, h, columns } = self.0;
-        for (g, group) in groups.iter_mut().enumerate() {
-            let asked = columns.saturating_sub(g * LANES).min(LANES);
-            for r in (0..asked).step_by(Lanes::<S>::COUNT) {
-                let before = [
-                    Lanes::load(simd, &group[0][r..]),
-                    Lanes::load(simd, &group[1][r..]),
-                    Lanes::load(simd, &group[2][r..]),
-                    Lanes::load(simd, &group[3][r..]),
-                ];
-                let Ok(after) = runge_kutta_step(
-                    &before,
-                    h,
-                    #[inline(always)]
-                    |c, x| {
-                        let node = if c == 0.0 {
-                            &*start
-                        } else if c < 1.0 {
-                            &*middle
-                        } else {
-                            &*end
-                        };
-                        let [first, second] = node.rate(simd, (g, r), &[x[2], x[3]]);
-                        let [by_first, by_second] = &node.by_state;
-                        let of_first = x[0] * by_first[0] + x[1] * by_first[1];
-                        let of_second = x[0] * by_second[0] + x[1] * by_second[1];
-                        Ok::<_, Infallible>([x[2], x[3], first + of_first, second + of_second])
-                    },
-                );
-                for i in 0..4 {
-                    after[i].store(&mut group[i][r..]);
-                }
+        let Carry { nodes: [start, middle, end], rows, h, columns } = self.0;
+        for c in (0..columns).step_by(Lanes::<S>::COUNT) {
+            let place = (c / LANES, c % LANES);
+            let before = [
+                Lanes::load(simd, &rows[0][c..]),
+                Lanes::load(simd, &rows[1][c..]),
+                Lanes::load(simd, &rows[2][c..]),
+                Lanes::load(simd, &rows[3][c..]),
+            ];
+            let Ok(after) = runge_kutta_step(
+                &before,
+                h,
+                #[inline(always)]
+                |c, x| {
+                    let node = if c == 0.0 {
+                        &*start
+                    } else if c < 1.0 {
+                        &*middle
+                    } else {
+                        &*end
+                    };
+                    let [first, second] = node.rate(simd, place, &[x[2], x[3]]);
+                    let [by_first, by_second] = &node.by_state;
+                    let of_first = x[0] * by_first[0] + x[1] * by_first[1];
+                    let of_second = x[0] * by_second[0] + x[1] * by_second[1];
+                    Ok::<_, Infallible>([x[2], x[3], first + of_first, second + of_second])
+                },
+            );
+            for i in 0..4 {
+                after[i].store(&mut rows[i][c..]);
             }
         }
     }

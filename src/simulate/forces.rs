@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use super::friction::{Contact, along_freedom, contact, friction};
 use super::input_line::InputLine;
 use super::sum::Sum;
-use crate::effects::{BASE, BodyState, Effect, Motion, Terms};
+use crate::effects::{BASE, BodyState, DIRECTIONS, Effect, Motion, Terms, along};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
 use crate::model::{Model, ModelError, SpeedPolynomial, inverse_mass, solve_mass, times};
 
@@ -146,14 +146,15 @@ impl<'m> Forces<'m> {
         let acting = self.acting(t, y, input);
         let contact = contact(&acting.terms, &acting.torque, &[y[2], y[3]])?;
         let rate = with_body(y, contact.acceleration, &acting)?;
-        let resisting = self.resisting(&contact.sign);
+        let resisting = self.resisting(&self.level, &contact.sign);
         Ok(Departure { t, y: *y, freedom: contact.freedom(), contact, rate, resisting })
     }
 
-    /// The constant resisting torque throughout a step with these friction signs [N m].
+    /// The torque that resists motion with these levels and signs of dry friction, without torques that vary
+    /// [N m].
     #[inline]
-    pub(super) fn resisting(&self, sign: &[f64; 4]) -> [f64; 2] {
-        let (torque, friction) = (self.wheel.constant.torque, friction(&self.level, sign));
+    pub(super) fn resisting(&self, level: &[f64; 4], sign: &[f64; 4]) -> [f64; 2] {
+        let (torque, friction) = (self.wheel.constant.torque, friction(level, sign));
         [torque[0] + friction[0], torque[1] + friction[1]]
     }
 
@@ -183,31 +184,37 @@ impl<'m> Forces<'m> {
         [left(0), left(1)]
     }
 
-    /// Whether the wheels that stick in the contact state of `from` are clearly held at `y`, where no
-    /// direction has reversed. Cases close to breakaway and two-mass drivetrains are left to
-    /// [`Forces::contact`].
+    /// The acceleration that the directions that stick in the contact state of `from` must prevent at `y`, where no
+    /// direction has reversed, and the one that their friction can prevent [rad/s²]: of a single direction, or of
+    /// the wheel nearer to breakaway by its own friction alone (further friction can only help). `None` for other
+    /// contact states, and for two-mass drivetrains.
     #[inline]
-    pub(super) fn clearly_held(
+    pub(super) fn held(
         &self,
         t: f64,
         y: &Vector,
         input: &InputLine,
         from: &Departure,
-    ) -> bool {
-        let ([f1, f2, turning, forward], stuck) = (self.level, from.contact.stuck);
-        if self.rough || self.inverse.is_none() || turning > 0.0 || forward > 0.0 {
-            return false;
+    ) -> Option<(f64, f64)> {
+        let inverse = self.inverse.as_ref()?;
+        let (x, stuck) = (self.motion(t, y), from.contact.stuck);
+        let level = self.level_at(&x);
+        let b = self.remaining(&x, input.at(t), &self.resisting(&level, &from.contact.sign));
+        if stuck[0] && stuck[1] {
+            let [m11, _, m22] = self.wheel.constant.mass;
+            let (first, second) =
+                ((b[0].abs() / m11, level[0] / m11), (b[1].abs() / m22, level[1] / m22));
+            return Some(if first.0 - first.1 > second.0 - second.1 { first } else { second });
         }
-        let b = self.remaining(&self.motion(t, y), input.at(t), &from.resisting);
-        let [m11, m12, m22] = self.wheel.constant.mass;
-        let holds = |need: f64, level: f64| need.abs() < level * CLEARLY;
-        match [stuck[0], stuck[1]] {
-            [true, true] => holds(b[0], f1) && holds(b[1], f2),
-            // the torque transmitted by the acceleration of the other wheel
-            [true, false] => y[3] != 0.0 && holds(b[0] - m12 * b[1] / m22, f1),
-            [false, true] => y[2] != 0.0 && holds(b[1] - m12 * b[0] / m11, f2),
-            [false, false] => false,
-        }
+        let j = stuck.iter().position(|stuck| *stuck)?;
+        let moves = |k: usize| level[k] <= 0.0 || along(k, &x.omega) != 0.0;
+        (0..4).all(|k| k == j || moves(k)).then(|| hold(inverse, j, level[j], &b))
+    }
+
+    /// The levels of dry friction at one instant [N m].
+    #[inline]
+    pub(super) fn level_at(&self, x: &Motion<f64>) -> [f64; 4] {
+        if self.rough { self.wheel.level(x) } else { self.level }
     }
 
     pub(super) fn contact(
@@ -304,7 +311,7 @@ impl<'m> Forces<'m> {
         };
         let h = to - t;
         let ([a1, a2], [w1, w2]) = match self.freed(from) {
-            Some(mobility) if self.wheel.is_polynomial() => {
+            Some(mobility) if self.wheel.is_polynomial() && !self.rough => {
                 let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, _, omega| {
                     let torque = input.at(instant(t, to, c));
                     let left = self.remaining_by_speed(*omega, torque, &from.resisting);
@@ -312,12 +319,13 @@ impl<'m> Forces<'m> {
                 });
                 end
             }
-            // masses and levels are the same throughout
+            // masses are the same throughout
             Some(mobility) => {
+                let sign = &from.contact.sign;
                 let Ok(end) = runge_kutta_motion(&alpha, &omega, &first, h, |c, alpha, omega| {
                     let (x, torque) = at(c, alpha, omega);
-                    let left = self.remaining(&x, torque, &from.resisting);
-                    Ok::<_, Infallible>(times(&mobility, &left))
+                    let resisting = self.resisting(&self.level_at(&x), sign);
+                    Ok::<_, Infallible>(times(&mobility, &self.remaining(&x, torque, &resisting)))
                 });
                 end
             }
@@ -329,17 +337,29 @@ impl<'m> Forces<'m> {
         Ok([a1, a2, w1, w2, w1, w2, 0.0, 0.0])
     }
 
-    /// The accelerations due to unit torques in the contact state of `from`, if neither masses nor levels
-    /// vary.
+    /// The accelerations due to unit torques in the contact state of `from`, if the mass matrix is constant.
     #[inline]
     fn freed(&self, from: &Departure) -> Option<[f64; 3]> {
-        let inverse = self.inverse.filter(|_| !self.rough)?;
-        let Some(n) = from.freedom else { return Some(inverse) };
+        let inverse = self.inverse?;
+        Some(from.freedom.map_or(inverse, |n| self.freed_along(n)))
+    }
+
+    /// The accelerations due to unit torques along the one free direction `n`, for a constant mass matrix.
+    #[inline]
+    pub(super) fn freed_along(&self, n: [f64; 2]) -> [f64; 3] {
         let [m11, m12, m22] = self.wheel.constant.mass;
         let inertia = m11 * n[0] * n[0] + 2.0 * m12 * n[0] * n[1] + m22 * n[1] * n[1];
         let share = if inertia > 0.0 { 1.0 / inertia } else { 0.0 };
-        Some([n[0] * n[0] * share, n[0] * n[1] * share, n[1] * n[1] * share])
+        [n[0] * n[0] * share, n[0] * n[1] * share, n[1] * n[1] * share]
     }
+}
+
+/// The acceleration along direction `j` that the torques `b` would cause without friction along it, and the one
+/// that friction of this level can prevent [rad/s²], while the other directions with friction move.
+#[inline]
+pub(super) fn hold(inverse: &[f64; 3], j: usize, level: f64, b: &[f64; 2]) -> (f64, f64) {
+    let (free, slowed) = (times(inverse, b), times(inverse, &DIRECTIONS[j]));
+    (along(j, &free).abs(), level * along(j, &slowed))
 }
 
 /// All rates from the acceleration of the wheels.

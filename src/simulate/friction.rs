@@ -99,7 +99,10 @@ pub fn contact(
     if resting.is_empty() {
         return Ok(Contact { sign, stuck: [false; 4], acceleration: free });
     }
-    let acceleration = least_constraint(terms, &b, resting);
+    let acceleration = match *resting {
+        [j] => of_one_at_rest(terms, &b, &free, j)?,
+        _ => least_constraint(terms, &b, resting),
+    };
     let mut stuck = [false; 4];
     for &j in resting {
         let rate = along(j, &acceleration);
@@ -107,6 +110,21 @@ pub fn contact(
         stuck[j] = rate == 0.0;
     }
     Ok(Contact { sign, stuck, acceleration })
+}
+
+/// [`least_constraint`] with only direction `j` at rest: it slides in the direction of its free acceleration if
+/// its friction does not prevent that, and sticks otherwise.
+fn of_one_at_rest(
+    terms: &Terms<f64>,
+    b: &[f64; 2],
+    free: &[f64; 2],
+    j: usize,
+) -> Result<[f64; 2], ModelError> {
+    let side = sgn(along(j, free));
+    let [f1, f2] = DIRECTIONS[j].map(|share| share * terms.level[j] * side);
+    let sliding = solve_mass(&terms.mass, &[b[0] - f1, b[1] - f2])?;
+    let slides = along(j, &sliding) * side > 0.0;
+    Ok(if slides { sliding } else { along_freedom(&terms.mass, b, &perpendicular(j)) })
 }
 
 /// The minimum of the convex function in the docs of [`contact`]; a kink candidate is exactly on
@@ -204,5 +222,33 @@ mod tests {
                 assert!(cost(near) >= at - 1e-12, "{c:?} {near:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_single_direction_at_rest_sticks_or_slides_as_the_convex_function_demands() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let (mut held, mut moving) = (0, 0);
+        for _ in 0..2000 {
+            let t = terms([0; 4].map(|_| rng.random_range(0.01..0.2)));
+            let m = [rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5)];
+            for (j, omega) in [[0.0, 2.0], [-1.5, 0.0], [3.0, 3.0], [2.0, -2.0]].iter().enumerate()
+            {
+                let found = contact(&t, &m, omega).unwrap();
+                let sign = [0, 1, 2, 3].map(|k| sgn(along(k, omega)));
+                let resisting = friction(&t.level, &sign);
+                let expected =
+                    least_constraint(&t, &[m[0] - resisting[0], m[1] - resisting[1]], &[j]);
+                assert_eq!(found.stuck[j], along(j, &expected) == 0.0);
+                if found.stuck[j] {
+                    held += 1
+                } else {
+                    moving += 1
+                }
+                for i in 0..2 {
+                    assert!((found.acceleration[i] - expected[i]).abs() < 1e-11, "{j} {found:?}");
+                }
+            }
+        }
+        assert!(held > 500 && moving > 500, "{held} {moving}");
     }
 }

@@ -1,10 +1,10 @@
-//! A step in which all wheels slide, or both are at rest, throughout, with a constant mass matrix: the most
-//! frequent kind of step.
+//! A step in which all directions of dry friction slide, all but one, or both wheels are at rest, throughout, with
+//! a constant mass matrix: the most frequent kinds of step.
 
 use std::convert::Infallible;
 
-use super::forces::{Departure, Forces, Vector};
-use super::friction::{Contact, friction};
+use super::forces::{CLEARLY, Departure, Forces, Vector, hold};
+use super::friction::{Contact, perpendicular};
 use super::input_line::InputLine;
 use crate::effects::{Motion, along};
 use crate::math::{runge_kutta_motion, sgn};
@@ -12,12 +12,19 @@ use crate::model::times;
 
 /// A completed step.
 pub(super) struct Glide {
-    /// Friction signs; `None` if the wheels are at rest.
-    sign: Option<[f64; 4]>,
+    /// Friction signs, and the direction that sticks if any does; `None` if the wheels are at rest.
+    sliding: Option<Sliding>,
     /// Acceleration at its start.
     first: [f64; 2],
     /// alpha1, alpha2, omega1, omega2 at its end.
     end: [f64; 4],
+}
+
+/// Friction signs of directions that move, and the one that sticks.
+#[derive(Clone, Copy)]
+struct Sliding {
+    sign: [f64; 4],
+    stuck: Option<usize>,
 }
 
 impl Glide {
@@ -31,58 +38,99 @@ impl Glide {
 
 impl Forces<'_> {
     /// The start of a completed step from `y` at `t`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn start_of(&self, glide: &Glide, t: f64, y: &Vector) -> Departure {
         let a = glide.first;
-        let sign = glide.sign.unwrap_or_default();
-        let stuck = match glide.sign {
-            Some(_) => [false; 4],
+        let sign = glide.sliding.map_or([0.0; 4], |sliding| sliding.sign);
+        let stuck = match glide.sliding {
+            Some(Sliding { stuck, .. }) => [0, 1, 2, 3].map(|j| stuck == Some(j)),
             None => self.level.map(|level| level > 0.0),
         };
         let contact = Contact { sign, stuck, acceleration: a };
-        let freedom = glide.sign.is_none().then_some([0.0; 2]);
+        let freedom = match glide.sliding {
+            Some(Sliding { stuck, .. }) => stuck.map(perpendicular),
+            None => Some([0.0; 2]),
+        };
         let rate = [y[2], y[3], a[0], a[1], a[0], a[1], 0.0, 0.0];
-        Departure { t, y: *y, contact, freedom, rate, resisting: self.resisting(&sign) }
+        Departure {
+            t,
+            y: *y,
+            contact,
+            freedom,
+            rate,
+            resisting: self.resisting(&self.level, &sign),
+        }
     }
 
     /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]; `None` if the contact must be solved
-    /// (one wheel rests while the other moves, breakaway, reversal) or the mass matrix varies.
+    /// (breakaway, reversal, a direction that is not clearly held) or the mass matrix varies.
     #[inline]
     pub(super) fn glide(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let inverse = self.inverse.as_ref()?;
-        if self.rough {
-            let start = self.motion(from, y);
-            let level = self.wheel.level(&start);
-            let sign = signs(&level, y)?;
-            let under = |x: &Motion<f64>, torque: [f64; 2], level: &[f64; 4]| {
-                let friction = friction(level, &sign);
-                let resting = self.wheel.constant.torque;
-                let resisting = [resting[0] + friction[0], resting[1] + friction[1]];
-                times(inverse, &self.remaining(x, torque, &resisting))
-            };
-            let first = under(&start, input.at(from), &level);
-            return self.slide(from, to, y, input, (sign, first), |t, y, torque| {
-                let x = self.motion(t, y);
-                under(&x, torque, &self.wheel.level(&x))
-            });
-        }
         if y[2] == 0.0 && y[3] == 0.0 {
             return self.stand(from, to, y, input);
         }
-        let sign = signs(&self.level, y)?;
-        let resisting = self.resisting(&sign);
+        let sliding = Self::sliding(&self.level_at(&self.motion(from, y)), y)?;
+        if let Some(j) = sliding.stuck {
+            return self.glide_beside(j, &sliding, (from, to), y, input);
+        }
+        let sign = sliding.sign;
+        if self.rough {
+            let at = |t: f64, y: &Vector, torque: [f64; 2]| {
+                times(inverse, &self.remaining_rough(&self.motion(t, y), torque, &sign))
+            };
+            let first = at(from, y, input.at(from));
+            return self.slide(from, to, y, input, (sliding, first), at);
+        }
+        let resisting = self.resisting(&self.level, &sign);
         if self.wheel.is_polynomial() {
             let at = |_: f64, y: &Vector, torque: [f64; 2]| {
                 self.acceleration_at([y[2], y[3]], torque, &resisting)
             };
             let first = at(from, y, input.at(from));
-            return self.slide(from, to, y, input, (sign, first), at);
+            return self.slide(from, to, y, input, (sliding, first), at);
         }
         let at = |t: f64, y: &Vector, torque: [f64; 2]| {
             times(inverse, &self.remaining(&self.motion(t, y), torque, &resisting))
         };
         let first = at(from, y, input.at(from));
-        self.slide(from, to, y, input, (sign, first), at)
+        self.slide(from, to, y, input, (sliding, first), at)
+    }
+
+    /// [`Forces::remaining`] with the levels of the instant.
+    #[inline]
+    fn remaining_rough(&self, x: &Motion<f64>, torque: [f64; 2], sign: &[f64; 4]) -> [f64; 2] {
+        self.remaining(x, torque, &self.resisting(&self.level_at(x), sign))
+    }
+
+    /// A step with direction `j` clearly held at both ends, along the direction that remains.
+    fn glide_beside(
+        &self,
+        j: usize,
+        sliding: &Sliding,
+        (from, to): (f64, f64),
+        y: &Vector,
+        input: &InputLine,
+    ) -> Option<Glide> {
+        let inverse = self.inverse.as_ref()?;
+        let mobility = self.freed_along(perpendicular(j));
+        let left = |t: f64, y: &Vector, torque: [f64; 2]| {
+            self.remaining_rough(&self.motion(t, y), torque, &sliding.sign)
+        };
+        let held = |t: f64, y: &Vector, b: &[f64; 2]| {
+            let (needed, available) = hold(inverse, j, self.level_at(&self.motion(t, y))[j], b);
+            needed < available * CLEARLY
+        };
+        let b = left(from, y, input.at(from));
+        if !held(from, y, &b) {
+            return None;
+        }
+        let first = times(&mobility, &b);
+        let glide = self.slide(from, to, y, input, (*sliding, first), |t, y, torque| {
+            times(&mobility, &left(t, y, torque))
+        })?;
+        let end = glide.end();
+        held(to, &end, &left(to, &end, input.at(to))).then_some(glide)
     }
 
     /// Acceleration if every varying torque is in the polynomial of the speeds.
@@ -103,17 +151,32 @@ impl Forces<'_> {
     #[inline]
     fn stand(&self, from: f64, to: f64, y: &Vector, input: &InputLine) -> Option<Glide> {
         let held = |t: f64| {
-            let b = self.remaining(&self.motion(t, y), input.at(t), &self.wheel.constant.torque);
-            b[0].abs() <= self.level[0] && b[1].abs() <= self.level[1]
+            let x = self.motion(t, y);
+            let b = self.remaining(&x, input.at(t), &self.wheel.constant.torque);
+            let level = self.level_at(&x);
+            (0..2).all(|i| level[i] > 0.0 && b[i].abs() <= level[i])
         };
-        let rough = |j: usize| self.level[j] > 0.0;
-        if !(rough(0) && rough(1) && held(from) && held(to)) {
-            return None;
-        }
-        Some(Glide { sign: None, first: [0.0; 2], end: [y[0], y[1], 0.0, 0.0] })
+        let end = [y[0], y[1], 0.0, 0.0];
+        (held(from) && held(to)).then_some(Glide { sliding: None, first: [0.0; 2], end })
     }
 
-    /// A step of sliding wheels with these friction signs and known initial acceleration.
+    /// The friction signs for these levels; `None` if two directions with friction are at rest.
+    #[inline]
+    fn sliding(level: &[f64; 4], y: &Vector) -> Option<Sliding> {
+        let omega = [y[2], y[3]];
+        let (mut sign, mut stuck) = ([0.0; 4], None);
+        for (j, sign) in sign.iter_mut().enumerate() {
+            if level[j] > 0.0 {
+                *sign = sgn(along(j, &omega));
+                if *sign == 0.0 && stuck.replace(j).is_some() {
+                    return None;
+                }
+            }
+        }
+        Some(Sliding { sign, stuck })
+    }
+
+    /// A step with these friction signs and known initial acceleration.
     #[inline]
     fn slide(
         &self,
@@ -121,7 +184,7 @@ impl Forces<'_> {
         to: f64,
         y: &Vector,
         input: &InputLine,
-        (sign, first): ([f64; 4], [f64; 2]),
+        (sliding, first): (Sliding, [f64; 2]),
         acceleration: impl Fn(f64, &Vector, [f64; 2]) -> [f64; 2],
     ) -> Option<Glide> {
         let h = to - from;
@@ -132,31 +195,15 @@ impl Forces<'_> {
             Ok::<_, Infallible>(acceleration(t, &y, input.at(t)))
         };
         let Ok((alpha, omega)) = runge_kutta_motion(&[a1, a2], &[w1, w2], &first, h, rate);
-        let goes_on = |j: usize| sign[j] * along(j, &omega) >= 0.0;
+        let goes_on = |j: usize| sliding.sign[j] * along(j, &omega) >= 0.0;
         // NaN is left to the contact solver, which returns the error
         let end = [alpha[0], alpha[1], omega[0], omega[1]];
         (goes_on(0) && goes_on(1) && goes_on(2) && goes_on(3)).then_some(Glide {
-            sign: Some(sign),
+            sliding: Some(sliding),
             first,
             end,
         })
     }
-}
-
-/// The friction signs for these levels; `None` if a direction with friction is at rest.
-#[inline]
-fn signs(level: &[f64; 4], y: &Vector) -> Option<[f64; 4]> {
-    let omega = [y[2], y[3]];
-    let mut sign = [0.0; 4];
-    for (j, sign) in sign.iter_mut().enumerate() {
-        if level[j] > 0.0 {
-            *sign = sgn(along(j, &omega));
-            if *sign == 0.0 {
-                return None;
-            }
-        }
-    }
-    Some(sign)
 }
 
 #[cfg(test)]
@@ -204,6 +251,36 @@ mod tests {
         for end in [[0.13, 0.0], [0.0, -0.13]] {
             let away = InputLine::new(0.0, 0.01, &[0.0; 2], &end);
             assert!(f.glide(0.0, 0.01, &y, &away).is_none());
+        }
+    }
+
+    #[test]
+    fn a_step_beside_a_held_direction_is_that_of_the_contact_to_rounding() {
+        let cases: [(&[&str], [f64; 2], usize); 4] = [
+            (&[], [0.0, 1.3], 0),
+            (&["stribeck", "viscous_friction"], [-1.3, 0.0], 1),
+            (&["turning_scrub", "quadratic_drag"], [2.0, 2.0], 2),
+            (&["caster_drag", "stribeck"], [2.0, -2.0], 3),
+        ];
+        for (ids, [w1, w2], stuck) in cases {
+            let model = Model::with_effects(Robot::amigobot(), ids).unwrap();
+            let p = model.initial();
+            let f = Forces::new(&model, &p, 0.0);
+            let y = [0.1, -0.2, w1, w2, w1, w2, 0.0, 0.0];
+            let input = InputLine::new(0.0, 0.01, &[0.0, 0.0], &[0.005, -0.004]);
+            let glide = f.glide(0.0, 0.01, &y, &input).unwrap();
+            let (start, from) = (f.start_of(&glide, 0.0, &y), f.depart(0.0, &y, &input).unwrap());
+            let end = f.step(&from, 0.01, &input).unwrap();
+            assert!(start.contact.stuck[stuck]);
+            assert_eq!(start.contact.stuck, from.contact.stuck);
+            assert_eq!((start.contact.sign, start.freedom), (from.contact.sign, from.freedom));
+            assert_eq!(along(stuck, &[glide.end()[2], glide.end()[3]]), 0.0);
+            for i in 0..8 {
+                assert!((glide.end()[i] - end[i]).abs() < 1e-13, "{ids:?} {i}");
+                assert!((start.rate[i] - from.rate[i]).abs() < 1e-12, "{ids:?} {i}");
+            }
+            let away = InputLine::new(0.0, 0.01, &[0.0, 0.0], &[0.9, 0.2]);
+            assert!(f.glide(0.0, 0.01, &y, &away).is_none(), "{ids:?}");
         }
     }
 }

@@ -39,6 +39,7 @@ pub use simulation::simulate;
 pub(crate) use simulation::simulate_windows;
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
 pub(crate) use takagi_sugeno::{Rules, RulesSideBySide, WithRules};
+pub(crate) use variation::column_of_start;
 pub(crate) use walk::{Ends, Walk};
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Simulation with exact sensitivities to every parameter and to the initial state, in one pass.
 
 use super::stepper::Stepper;
-use super::variation::Variation;
+use super::variation::{Variation, column_of_start};
 use super::{Hold, Input, LANES, SimulateError, simulate};
 use crate::model::Model;
 use crate::robot::State;
@@ -11,8 +11,6 @@ use crate::robot::State;
 pub struct Sensitivities {
     /// Parameters of the model plus the four initial states (alpha1, alpha2, omega1, omega2).
     pub columns: usize,
-    /// Columns including the padding to whole registers.
-    stride: usize,
     /// `[k][i][j]` flattened: state i (alpha1, alpha2, omega1, omega2) at sample k by column j.
     values: Vec<f64>,
 }
@@ -27,8 +25,7 @@ impl Sensitivities {
     /// All columns of state `i` at sample `k`.
     #[must_use]
     pub fn row(&self, k: usize, i: usize) -> &[f64] {
-        let start = (k * 4 + i) * self.stride;
-        &self.values[start..start + self.columns]
+        &self.values[(k * 4 + i) * self.columns..][..self.columns]
     }
 }
 
@@ -53,16 +50,20 @@ pub fn simulate_with_sensitivities(
     let columns = p.len() + 4;
     let stride = columns.next_multiple_of(LANES);
     let mut motion = Vec::with_capacity(input.t.len());
-    let mut values = Vec::with_capacity(input.t.len() * 4 * stride);
+    let mut values = Vec::with_capacity(input.t.len() * 4 * columns);
     follow(model, p, input, start, &mut |_, state, derivatives| {
         motion.push(*state);
-        values.extend_from_slice(derivatives);
+        for row in derivatives.chunks_exact(stride) {
+            values.extend_from_slice(&row[..p.len()]);
+            values.extend((0..4).map(|i| row[column_of_start(p.len(), i)]));
+        }
     })?;
-    Ok((motion, Sensitivities { columns, stride, values }))
+    Ok((motion, Sensitivities { columns, values }))
 }
 
 /// Callback of [`follow`] at every sample: its number, the state, and the derivatives of (alpha1, alpha2,
-/// omega1, omega2), each a row of all columns padded with zeros to a multiple of [`LANES`].
+/// omega1, omega2), each a row of all columns (those of the initial state at [`column_of_start`]) padded with
+/// zeros to a multiple of [`LANES`].
 pub(crate) type Visit<'a> = &'a mut dyn FnMut(usize, &State, &[f64]);
 
 /// [`simulate_with_sensitivities`] with a callback in place of stored results.
@@ -126,9 +127,7 @@ pub(crate) fn follow_part(
         Asked::All => variation,
         Asked::Parameters => variation.without_start(),
     };
-    let mut values = Vec::with_capacity(4 * LANES * variation.groups.len());
-    variation.write(&mut values);
-    visit(0, &start, &values);
+    visit(0, &start, variation.values());
     for k in range.start + 1..range.end {
         let last = match input.hold {
             Hold::Linear => k,
@@ -138,8 +137,7 @@ pub(crate) fn follow_part(
         variation.next_input(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
-        variation.write(&mut values);
-        visit(k - range.start, &stepper.state(), &values);
+        visit(k - range.start, &stepper.state(), variation.values());
     }
     Ok(())
 }
@@ -169,6 +167,7 @@ fn by_differences(
             simulate(model, &p, input, start).map(|motion| (motion, h))
         };
         let ((up, h), (down, _)) = (at(1.0)?, at(-1.0)?);
+        let j = j.checked_sub(p.len()).map_or(j, |i| column_of_start(p.len(), i));
         for (k, (u, d)) in up.iter().zip(&down).enumerate() {
             for i in 0..2 {
                 values[(k * 4 + i) * stride + j] = (u.alpha[i] - d.alpha[i]) / (2.0 * h);

@@ -1,12 +1,14 @@
 //! Integration over one sample: Runge-Kutta 4 in a fixed contact state, with events located within the step.
 
+use std::cell::Cell;
+
 use super::SimulateError;
 use super::event::{crossing, onset};
-use super::forces::{Departure, Forces, Vector};
+use super::forces::{CLEARLY, Departure, Forces, Vector};
 use super::friction::{Contact, perpendicular};
 use super::input_line::InputLine;
 use crate::effects::along;
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 use crate::robot::State;
 
 /// Longest internal step \[s\]; the input is smooth between samples, so this only limits the truncation error
@@ -37,14 +39,27 @@ pub(super) trait StepObserver {
     /// One smooth step from `from` to the state `end` at `to`.
     fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine);
     /// The contact changed to `after` when the speeds along the directions `arrived` reached zero; `before`
-    /// is the acceleration before the event.
-    fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact);
+    /// computes the acceleration before the event.
+    fn event(
+        &mut self,
+        arrived: [bool; 4],
+        before: impl FnOnce() -> Result<[f64; 2], ModelError>,
+        after: &Contact,
+    ) -> Result<(), ModelError>;
 }
 
 impl StepObserver for () {
     #[inline]
     fn smooth(&mut self, _: &Forces, _: &Departure, _: f64, _: &Vector, _: &InputLine) {}
-    fn event(&mut self, _: [bool; 4], _: &[f64; 2], _: &Contact) {}
+    #[inline]
+    fn event(
+        &mut self,
+        _: [bool; 4],
+        _: impl FnOnce() -> Result<[f64; 2], ModelError>,
+        _: &Contact,
+    ) -> Result<(), ModelError> {
+        Ok(())
+    }
 }
 
 /// The integrator: a model with parameters, and its present state.
@@ -95,9 +110,11 @@ impl<'m> Stepper<'m> {
     ) -> Result<(), SimulateError> {
         let input = InputLine::new(from, to, start, end);
         let pieces = self.pieces(from, to);
-        for piece in 0..pieces {
-            let edge = |k: usize| from + (to - from) * (k as f64 / pieces as f64);
-            self.piece(edge(piece), edge(piece + 1), &input, observer)?;
+        let mut start = from;
+        for piece in 1..=pieces {
+            let end = edge(from, to, (piece, pieces));
+            self.piece(start, end, &input, observer)?;
+            start = end;
         }
         if self.y[2].abs().max(self.y[3].abs()) < SPEED_LIMIT {
             Ok(())
@@ -149,14 +166,14 @@ impl<'m> Stepper<'m> {
                 }
                 return Ok(());
             }
-            let t = start.t + self.locate(&start, (to, beyond), input)?;
-            let after = self.forces.step(&start, t, input)?;
+            let (t, after) = self.locate(&start, to, (&whole, beyond), input)?;
             observer.smooth(&self.forces, &start, t, &after, input);
             self.y = after;
             let arrived = self.rest(&start.contact, &after);
-            let before = self.forces.acceleration(t, &self.y, input, &start)?;
-            start = self.forces.depart(t, &self.y, input)?;
-            observer.event(arrived, &before, &start.contact);
+            let next = self.forces.depart(t, &self.y, input)?;
+            let before = || self.forces.acceleration(t, &self.y, input, &start);
+            observer.event(arrived, before, &next.contact)?;
+            start = next;
         }
         Ok(())
     }
@@ -176,35 +193,55 @@ impl<'m> Stepper<'m> {
         if backward > 0.0 || start.freedom.is_none() {
             return Ok(backward);
         }
-        if self.forces.clearly_held(t, y, input, start) {
-            return Ok(0.0);
+        let held = self.forces.held(t, y, input, start);
+        if let Some((needed, available)) = held
+            && needed < available * CLEARLY
+        {
+            return Ok(needed - available);
         }
         let now = self.forces.contact(t, y, input)?;
         if now.stuck == c.stuck {
-            return Ok(0.0);
+            return Ok(held.map_or(0.0, |(needed, available)| (needed - available).min(0.0)));
         }
         let rates = (0..4).filter(|&j| c.stuck[j]).map(|j| along(j, &now.acceleration).abs());
         Ok(rates.fold(f64::MIN_POSITIVE, f64::max))
     }
 
-    /// The shortest step after which [`Stepper::excess`] is positive, to 1e-12 of the whole; its value there
-    /// is `beyond`.
+    /// The instant from which on [`Stepper::excess`] is positive, to 1e-12 of the whole, and the state there; at
+    /// `end`, the state at `to`, it is `beyond`.
     fn locate(
         &self,
         start: &Departure,
-        (to, beyond): (f64, f64),
+        to: f64,
+        (end, beyond): (&Vector, f64),
         input: &InputLine,
-    ) -> Result<f64, SimulateError> {
-        let excess = |step| {
+    ) -> Result<(f64, Vector), SimulateError> {
+        // the last trial beyond the event is the result of the search
+        let last = Cell::new((f64::NAN, start.y));
+        let excess = |step: f64| {
             let t = start.t + step;
             let y = self.forces.step(start, t, input)?;
-            self.excess(start, t, &y, input)
+            let excess = self.excess(start, t, &y, input)?;
+            if excess > 0.0 {
+                last.set((step, y));
+            }
+            Ok::<_, SimulateError>(excess)
         };
         let h = to - start.t;
-        if start.freedom.is_some() {
-            return onset(h, beyond, excess);
-        }
-        crossing(h, [fastest_backward(&start.y, &start.contact), beyond], excess)
+        let before = match start.freedom {
+            // at a breakaway the excess is an acceleration on both sides, at a reversal of another direction not
+            Some(_) if fastest_backward(end, &start.contact) > 0.0 => 0.0,
+            Some(_) => self.excess(start, start.t, &start.y, input)?,
+            None => fastest_backward(&start.y, &start.contact),
+        };
+        let step = if start.freedom.is_none() || before < 0.0 {
+            crossing(h, [before, beyond], excess)?
+        } else {
+            onset(h, beyond, excess)?
+        };
+        let (t, (tried, y)) = (start.t + step, last.get());
+        let y = if tried == step { y } else { self.forces.step(start, t, input)? };
+        Ok((t, y))
     }
 
     /// Sets directions that have passed through zero exactly to rest, and returns them.
@@ -244,6 +281,12 @@ fn at_rest_within(state: State) -> Vector {
 /// Number of internal steps from `from` to `to` \[s\] for a model without a two-mass drivetrain.
 pub(super) fn pieces_between(from: f64, to: f64) -> usize {
     divided(to - from, LONGEST_STEP)
+}
+
+/// The end of internal step `piece`, counted from one, of `pieces` from `from` to `to` \[s\].
+#[inline]
+pub(super) fn edge(from: f64, to: f64, (piece, pieces): (usize, usize)) -> f64 {
+    if piece < pieces { from + (to - from) * (piece as f64 / pieces as f64) } else { to }
 }
 
 fn divided(length: f64, longest: f64) -> usize {

@@ -1,6 +1,6 @@
 //! The variational equation along a simulated motion, for all columns together.
 
-use super::carry::{Carry, Group, InputSlope, Node, Slide, Turn};
+use super::carry::{Carry, InputSlope, Node, Slide, Turn};
 use super::forces::{Departure, Forces, Vector};
 use super::forcing::{Forcing, LANES, Pair, quantities};
 use super::friction::Contact;
@@ -8,12 +8,14 @@ use super::input_line::InputLine;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
 use crate::math::in_lanes;
-use crate::model::{Linearisation, times};
+use crate::model::{Linearisation, ModelError, times};
 
 /// The present sensitivities. Their columns are the parameters, the initial speeds and the initial angles: if
 /// nothing depends on the angles, those of the angles are constant.
 pub(super) struct Variation {
-    pub(super) groups: Vec<Group>,
+    /// Derivatives of (alpha1, alpha2, omega1, omega2), each a row of all columns, padded with zeros to a multiple
+    /// of [`LANES`].
+    values: Vec<f64>,
     parameters: usize,
     /// Compiled derivatives with respect to the parameters, if possible.
     forcing: Option<Forcing>,
@@ -25,8 +27,10 @@ pub(super) struct Variation {
     /// constant.
     moving: usize,
     turning: usize,
-    /// At the start, in the middle and at the end of a step.
+    /// At both ends of a step, with its middle between them.
     nodes: [Node; 3],
+    /// The place of the node at the start of the next step: the first or the last.
+    start: usize,
     middle: Linearisation,
     /// Derivatives at the end of the last step, and the state there.
     end: Linearisation,
@@ -43,7 +47,7 @@ impl Variation {
             forcing: vec![Pair::default(); count],
         };
         let mut variation = Self {
-            groups: vec![Group::default(); count],
+            values: vec![0.0; 4 * LANES * count],
             parameters,
             forcing: Forcing::new(f),
             input: vec![],
@@ -51,6 +55,7 @@ impl Variation {
             moving: parameters + 2,
             turning: parameters + 4,
             nodes: std::array::from_fn(|_| node.clone()),
+            start: 0,
             middle: Linearisation::new(parameters),
             end: Linearisation::new(parameters),
             at_end: None,
@@ -61,24 +66,21 @@ impl Variation {
 
     /// Sets the derivatives of the four initial states with respect to themselves.
     fn identity(&mut self) {
+        let stride = self.values.len() / 4;
         for i in 0..4 {
-            let column = self.place(self.parameters + i);
-            self.groups[column / LANES][i][column % LANES] = 1.0;
+            self.values[i * stride + column_of_start(self.parameters, i)] = 1.0;
         }
     }
 
-    /// Internal position of a column of (parameters, initial angles, initial speeds).
+    /// The present derivatives: four rows.
     #[inline]
-    fn place(&self, column: usize) -> usize {
-        match column.checked_sub(self.parameters) {
-            Some(i) => self.parameters + (i + 2) % 4,
-            None => column,
-        }
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// Starts the derivatives anew; `acting` are those of the input at both ends of the sample.
     pub(super) fn restart(&mut self, acting: &[InputSlope]) {
-        self.groups.fill(Group::default());
+        self.values.fill(0.0);
         self.identity();
         self.input.clear();
         self.input.extend_from_slice(acting);
@@ -88,9 +90,8 @@ impl Variation {
     /// Derivatives of the four states with respect to a column.
     #[inline]
     pub(super) fn by(&self, column: usize) -> [f64; 4] {
-        let column = self.place(column);
-        let group = &self.groups[column / LANES];
-        [0, 1, 2, 3].map(|i| group[i][column % LANES])
+        let stride = self.values.len() / 4;
+        [0, 1, 2, 3].map(|i| self.values[i * stride + column])
     }
 
     /// Does not integrate the columns of the initial state.
@@ -121,20 +122,6 @@ impl Variation {
         joined &= count == self.input.len();
         self.input.truncate(count);
         self.joined = joined;
-    }
-
-    /// Writes all columns, one state after the other.
-    pub(super) fn write(&self, values: &mut Vec<f64>) {
-        let (stride, first) = (LANES * self.groups.len(), self.parameters);
-        values.resize(4 * stride, 0.0);
-        for (i, row) in values.chunks_exact_mut(stride).enumerate() {
-            for (group, lanes) in self.groups.iter().zip(row.chunks_exact_mut(LANES)) {
-                lanes.copy_from_slice(&group[i]);
-            }
-            // the angles before the speeds
-            row.swap(first, first + 2);
-            row.swap(first + 1, first + 3);
-        }
     }
 
     /// Computes a node from the derivatives of the acceleration `a` at `t`, evaluated in `self.middle` for
@@ -176,14 +163,12 @@ impl Variation {
     /// A step of sliding wheels with compiled derivatives.
     #[inline]
     fn slide(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
-        let Self { forcing: Some(forcing), nodes, .. } = self else { return };
+        let Self { forcing: Some(forcing), .. } = self else { return };
+        let nodes = in_order(&mut self.nodes, self.start);
         let sign = from.contact.sign;
         forcing.turn(&sign);
         let goes_on = self.at_end == Some((from.t, from.y));
-        let known = goes_on && (self.joined || self.input.is_empty()) && nodes[2].holds(from);
-        if known {
-            nodes.swap(0, 2);
-        }
+        let known = goes_on && (self.joined || self.input.is_empty()) && nodes[0].holds(from);
         let (h, t, resisting) = (to - from.t, 0.5 * (from.t + to), &from.resisting);
         let at_start = ([from.y[2], from.y[3]], [from.rate[2], from.rate[3]]);
         let omega = [end[2], end[3]];
@@ -202,12 +187,12 @@ impl Variation {
             solved[n] = Some((quantities(omega, a), share));
         }
         nodes[2].place = (at_end.1, sign);
-        (self.at_end, self.joined) = (Some((to, *end)), true);
+        (self.at_end, self.joined, self.start) = (Some((to, *end)), true, 2 - self.start);
         in_lanes(Slide {
             forcing: &*forcing,
             solved: &solved,
             input: (&self.input, f.inverse.unwrap_or([0.0; 3])),
-            carry: Carry { nodes, groups: &mut self.groups, h, columns: self.moving },
+            carry: Carry { nodes, rows: rows(&mut self.values), h, columns: self.moving },
         });
     }
 
@@ -216,22 +201,43 @@ impl Variation {
         let by_angles =
             |node: &Node| node.by_state.iter().any(|row| row[0] != 0.0 || row[1] != 0.0);
         let turning = self.nodes.iter().any(by_angles);
-        let (nodes, groups) = (&mut self.nodes, &mut self.groups);
+        let nodes = in_order(&mut self.nodes, self.start);
+        let rows = rows(&mut self.values);
+        self.start = 2 - self.start;
         if turning {
-            in_lanes(Turn(Carry { nodes, groups, h, columns: self.turning }));
+            in_lanes(Turn(Carry { nodes, rows, h, columns: self.turning }));
         } else {
-            in_lanes(Carry { nodes, groups, h, columns: self.moving });
+            in_lanes(Carry { nodes, rows, h, columns: self.moving });
         }
     }
 
     /// A step without acceleration.
     fn rest(&mut self, h: f64) {
-        for [a1, a2, w1, w2] in &mut self.groups {
-            for n in 0..LANES {
-                (a1[n], a2[n]) = (a1[n] + w1[n] * h, a2[n] + w2[n] * h);
-            }
-        }
+        let half = self.values.len() / 2;
+        let (angles, speeds) = self.values.split_at_mut(half);
+        angles.iter_mut().zip(speeds).for_each(|(angle, speed)| *angle += *speed * h);
     }
+}
+
+/// The column of initial state `i` (alpha1, alpha2, omega1, omega2) behind those of the parameters.
+pub(crate) fn column_of_start(parameters: usize, i: usize) -> usize {
+    parameters + (i + 2) % 4
+}
+
+/// The nodes at the start, in the middle and at the end of a step that starts with node `start`.
+#[inline]
+fn in_order(nodes: &mut [Node; 3], start: usize) -> [&mut Node; 3] {
+    let [first, middle, last] = nodes;
+    if start == 0 { [first, middle, last] } else { [last, middle, first] }
+}
+
+/// The derivatives of the four states.
+#[inline]
+fn rows(values: &mut [f64]) -> [&mut [f64]; 4] {
+    let half = values.len() / 2;
+    let (angles, speeds) = values.split_at_mut(half);
+    let ((a1, a2), (w1, w2)) = (angles.split_at_mut(half / 2), speeds.split_at_mut(half / 2));
+    [a1, a2, w1, w2]
 }
 
 /// The state at the midpoint of a step from its ends and the rates there, by Hermite's cubic.
@@ -251,14 +257,13 @@ impl StepObserver for Variation {
         }
         let goes_on = self.forcing.is_none() && self.at_end == Some((from.t, from.y));
         let same_input = self.joined || self.input.is_empty();
-        if goes_on && from.freedom.is_none() && same_input && self.nodes[2].holds(from) {
-            self.nodes.swap(0, 2);
-        } else {
+        let known = goes_on && from.freedom.is_none() && same_input;
+        if !(known && self.nodes[self.start].holds(from)) {
             if !goes_on {
                 f.model.evaluate(&f.motion(from.t, &from.y), f.p, &mut self.end);
             }
             let a = [from.rate[2], from.rate[3]];
-            self.solve(f, 0, (from.t, a), from, input);
+            self.solve(f, self.start, (from.t, a), from, input);
         }
         let acceleration = |t: f64, linear: &Linearisation| {
             f.constrained(&linear.terms, &input.at(t), from).unwrap_or([0.0; 2])
@@ -266,7 +271,7 @@ impl StepObserver for Variation {
         f.model.evaluate(&f.motion(to, end), f.p, &mut self.end);
         self.at_end = Some((to, *end));
         let a = acceleration(to, &self.end);
-        self.solve(f, 2, (to, a), from, input);
+        self.solve(f, 2 - self.start, (to, a), from, input);
         self.joined = true;
         let (h, t) = (to - from.t, 0.5 * (from.t + to));
         let y = middle(h, (&from.y, &from.rate), (end, &a));
@@ -276,26 +281,32 @@ impl StepObserver for Variation {
         self.step(h);
     }
 
-    fn event(&mut self, arrived: [bool; 4], before: &[f64; 2], after: &Contact) {
-        let Some(first) = arrived.iter().position(|arrived| *arrived) else { return };
+    fn event(
+        &mut self,
+        arrived: [bool; 4],
+        before: impl FnOnce() -> Result<[f64; 2], ModelError>,
+        after: &Contact,
+    ) -> Result<(), ModelError> {
+        let Some(first) = arrived.iter().position(|arrived| *arrived) else { return Ok(()) };
+        let before = before()?;
         // of two wheels that arrive together each jumps at its own time
         let second = if arrived[..2] == [true; 2] { 1 } else { first };
         let freedom = after.freedom();
-        for [_, _, w1, w2] in &mut self.groups {
-            for (w1, w2) in w1.iter_mut().zip(w2) {
-                let time = [first, second].map(|j| {
-                    let ([d1, d2], rate) = (DIRECTIONS[j], along(j, before));
-                    let delay = if rate == 0.0 { 0.0 } else { -1.0 / rate };
-                    (*w1 * d1 + *w2 * d2) * delay
-                });
-                *w1 += time[0] * (before[0] - after.acceleration[0]);
-                *w2 += time[1] * (before[1] - after.acceleration[1]);
-                if let Some(n) = freedom {
-                    let square = (n[0] * n[0] + n[1] * n[1]).max(f64::MIN_POSITIVE);
-                    let q = (*w1 * n[0] + *w2 * n[1]) * (1.0 / square);
-                    (*w1, *w2) = (q * n[0], q * n[1]);
-                }
+        let [_, _, w1, w2] = rows(&mut self.values);
+        for (w1, w2) in w1.iter_mut().zip(w2) {
+            let time = [first, second].map(|j| {
+                let ([d1, d2], rate) = (DIRECTIONS[j], along(j, &before));
+                let delay = if rate == 0.0 { 0.0 } else { -1.0 / rate };
+                (*w1 * d1 + *w2 * d2) * delay
+            });
+            *w1 += time[0] * (before[0] - after.acceleration[0]);
+            *w2 += time[1] * (before[1] - after.acceleration[1]);
+            if let Some(n) = freedom {
+                let square = (n[0] * n[0] + n[1] * n[1]).max(f64::MIN_POSITIVE);
+                let q = (*w1 * n[0] + *w2 * n[1]) * (1.0 / square);
+                (*w1, *w2) = (q * n[0], q * n[1]);
             }
         }
+        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::SimulateError;
 use super::stepper::Stepper;
-use super::variation::Variation;
+use super::variation::{Variation, column_of_start};
 use crate::model::Model;
 use crate::robot::State;
 
@@ -59,7 +59,7 @@ impl<'m> Walk<'m> {
     /// The same with respect to state `k` at the start of the sample.
     #[inline]
     pub(crate) fn by_state(&self, k: usize) -> [f64; 4] {
-        self.variation.by(self.parameters + k)
+        self.variation.by(column_of_start(self.parameters, k))
     }
 }
 

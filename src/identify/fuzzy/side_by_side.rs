@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::pass::{Emulator, LIMIT, pass};
 use super::piece::Piece;
-use crate::math::{Lanes, in_lanes};
+use crate::math::{Lanes, are_wide, in_lanes};
 use crate::simulate::{Consequents, Rules, RulesSideBySide, Structure, TakagiSugeno, WithRules};
 
 /// Number of registers processed alternately, because the steps of one depend on each other.
@@ -13,14 +13,15 @@ const TOGETHER: usize = 2;
 pub(super) const SIDE_BY_SIDE: usize = 8 * TOGETHER;
 
 /// ISE of one piece with each vector of consequents, `None` where the emulator diverges: that of
-/// [`pass`] up to rounding, and identical for every width of the registers.
+/// [`pass`] up to rounding, and identical for every width of the registers. Processors without wide registers
+/// compute [`pass`].
 pub(super) fn passes(
     system: &TakagiSugeno,
     thetas: &[Vec<f64>],
     piece: &Piece,
     emulator: Emulator,
 ) -> Vec<Option<f64>> {
-    if system.consequents() == Consequents::Constant {
+    if system.consequents() == Consequents::Constant && are_wide() {
         return system.with_rules(Several { system, thetas, piece, emulator });
     }
     let with = |theta: &Vec<f64>| {

@@ -15,6 +15,8 @@ pub(super) trait Numbers:
     fn exponential(self) -> Self;
     /// One over each.
     fn reciprocal(self) -> Self;
+    /// `self · factor + more`, rounded once or twice.
+    fn times_plus(self, factor: Self, more: Self) -> Self;
 }
 
 impl Numbers for f64x2 {
@@ -27,6 +29,10 @@ impl Numbers for f64x2 {
     fn reciprocal(self) -> Self {
         Self::ONE / self
     }
+    #[inline]
+    fn times_plus(self, factor: Self, more: Self) -> Self {
+        self * factor + more
+    }
 }
 
 impl<S: Simd> Numbers for Lanes<S> {
@@ -38,6 +44,26 @@ impl<S: Simd> Numbers for Lanes<S> {
     fn reciprocal(self) -> Self {
         self.recip()
     }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, more: Self) -> Self {
+        self.times_plus(factor, more)
+    }
+}
+
+/// `Σ_k c_k r^k`, in pairs: the operations of a pair do not depend on those of the others.
+#[inline(always)]
+pub(super) fn polynomial<V: Numbers, const N: usize>(r: V, c: &[V; N]) -> V {
+    let square = r * r;
+    let mut first = (N - 1) / 2 * 2;
+    let mut sum = c[first];
+    if first + 1 < N {
+        sum = r.times_plus(c[first + 1], sum);
+    }
+    while first > 0 {
+        first -= 2;
+        sum = sum.times_plus(square, r.times_plus(c[first + 1], c[first]));
+    }
+    sum
 }
 
 /// Centres and widths of the membership functions of one input.
@@ -72,6 +98,22 @@ impl Premises {
 /// exp(2 · 8 · 4 · 6) = 1e167.
 const ONE_SIDED: usize = 9;
 
+/// Grades `quotient_k r^k` up to a common factor, with `r = exp((x - centre) rate)`.
+#[derive(Clone, Copy)]
+pub(super) struct Progression<V, const N: usize> {
+    centre: V,
+    rate: V,
+    pub(super) quotient: [V; N],
+}
+
+impl<V: Numbers, const N: usize> Progression<V, N> {
+    /// r at `x`.
+    #[inline(always)]
+    pub(super) fn ratio(&self, x: V) -> V {
+        ((x - self.centre) * self.rate).exponential()
+    }
+}
+
 /// The membership functions of the inputs that are combined in a `V`; of the `N` entries those beyond the
 /// functions have a grade of zero.
 pub(super) enum Grades<V, const N: usize> {
@@ -83,7 +125,7 @@ pub(super) enum Grades<V, const N: usize> {
     /// with the spacing d: a single exponential for all grades, if only their ratios are needed. m is the
     /// middle entry, so that loops have a constant length. Up to [`ONE_SIDED`] entries all grades are
     /// multiplied by r^m, which avoids the division.
-    Even { centre: V, rate: V, quotient: [V; N] },
+    Even(Progression<V, N>),
     /// Any functions: exp(factor (x - c)²).
     Any { centre: [V; N], factor: [V; N], present: [V; N] },
 }
@@ -104,13 +146,13 @@ impl<V: Numbers, const N: usize> Grades<V, N> {
                 let one = |(d, s): (f64, f64)| (-0.5 * (steps * d / s).powi(2)).exp();
                 join(even.map(|e| if k < count { one(e) } else { 0.0 }))
             };
-            return Self::Even {
+            return Self::Even(Progression {
                 centre: join(
                     inputs.map(|p| p.centre[0] + (N / 2) as f64 * (p.centre[1] - p.centre[0])),
                 ),
                 rate: join(even.map(|(d, s)| d / (s * s))),
                 quotient: std::array::from_fn(quotient),
-            };
+            });
         }
         let column = |f: &dyn Fn(&Premises, usize) -> f64| {
             std::array::from_fn(|k| join(inputs.map(|p| if k < count { f(p, k) } else { 0.0 })))
@@ -122,13 +164,21 @@ impl<V: Numbers, const N: usize> Grades<V, N> {
         }
     }
 
+    /// The progression, if all grades are one-sided powers.
+    pub(super) fn progression(&self) -> Option<Progression<V, N>> {
+        match self {
+            Self::Even(progression) if N <= ONE_SIDED => Some(*progression),
+            _ => None,
+        }
+    }
+
     /// Grades at `x`.
     #[inline(always)]
     pub(super) fn at(&self, x: V) -> [V; N] {
         match self {
-            Self::Even { centre, rate, quotient } => {
-                let r = ((x - *centre) * *rate).exponential();
-                let mut out = *quotient;
+            Self::Even(progression) => {
+                let r = progression.ratio(x);
+                let mut out = progression.quotient;
                 if N <= ONE_SIDED {
                     let mut powers = [r; N];
                     for k in 2..N {

@@ -2,7 +2,7 @@
 
 use wide::f64x2;
 
-use super::grades::{Grades, LEAST_SUM, Premises};
+use super::grades::{Grades, LEAST_SUM, Premises, Progression, polynomial};
 use super::{Consequents, Defuzzification, MOST_MEMBERSHIPS, TakagiSugeno};
 
 /// The rules of a system with at most `N` membership functions an input.
@@ -20,6 +20,9 @@ pub(crate) struct Rules<const N: usize> {
     constant: [[f64x2; N]; N],
     /// Slopes of the consequents in w1 and w2, where they have any.
     affine: Option<Box<[[[f64x2; 2]; N]; N]>>,
+    /// The grades if they are powers, with the constant consequents times the quotients of their functions: the
+    /// outputs are then quotients of polynomials.
+    powers: Option<Box<(Progression<f64x2, N>, [[f64x2; N]; N])>>,
 }
 
 /// An operation on the rules of a system with any number of rules.
@@ -81,15 +84,24 @@ impl<const N: usize> Rules<N> {
             Box::new(std::array::from_fn(|i| std::array::from_fn(|j| slopes(i, j))))
         });
         let range = system.range();
+        let grades = Grades::new([&inputs[0], &inputs[1]], average, f64x2::new);
+        let constant = std::array::from_fn(|i| std::array::from_fn(|j| consequent(i, j, 0)));
+        let times_quotients = |powers: Progression<f64x2, N>| {
+            let [a, b] = split(&powers.quotient);
+            let one = |i: usize, j: usize| consequent(i, j, 0) * a[i] * b[j];
+            Box::new((powers, std::array::from_fn(|i| std::array::from_fn(|j| one(i, j)))))
+        };
+        let powers = grades.progression().filter(|_| affine.is_none()).map(times_quotients);
         Self {
             low: f64x2::new(range.map(|r| r.0)),
             high: f64x2::new(range.map(|r| r.1)),
-            grades: Grades::new([&inputs[0], &inputs[1]], average, f64x2::new),
+            grades,
             average,
             centre: pair(&|p, k| p.centre[k]),
             steep: pair(&|p, k| p.width[k].powi(-2)),
-            constant: std::array::from_fn(|i| std::array::from_fn(|j| consequent(i, j, 0))),
+            constant,
             affine,
+            powers,
         }
     }
 
@@ -143,6 +155,9 @@ impl<const N: usize> Rules<N> {
     #[inline]
     pub(crate) fn output(&self, omega: f64x2) -> f64x2 {
         let x = self.clamped(omega);
+        if let Some(powers) = &self.powers {
+            return quotient(&powers.0, &powers.1, x);
+        }
         let grades = self.grades.at(x);
         let sum = self.weighed(&grades, x);
         if self.average { sum / f64x2::splat(total(&grades)) } else { sum }
@@ -152,24 +167,20 @@ impl<const N: usize> Rules<N> {
     #[inline]
     fn weighed(&self, grades: &[f64x2; N], x: f64x2) -> f64x2 {
         let [a, b] = split(grades);
-        let mut sum = f64x2::ZERO;
-        match &self.affine {
-            None => {
-                for i in 0..N {
-                    sum += a[i] * mean(&b, &self.constant[i]);
-                }
-            }
-            Some(affine) => {
-                for i in 0..N {
+        let mut rows = [f64x2::ZERO; N];
+        for i in 0..N {
+            rows[i] = match &self.affine {
+                None => mean(&b, &self.constant[i]),
+                Some(affine) => {
                     let mut row = self.constant[i];
                     for j in 0..N {
                         row[j] += self.beside(&affine[i][j], i, j, x);
                     }
-                    sum += a[i] * mean(&b, &row);
+                    mean(&b, &row)
                 }
-            }
+            };
         }
-        sum
+        mean(&a, &rows)
     }
 
     /// The affine part of a rule at `x`.
@@ -234,6 +245,24 @@ impl<const N: usize> Rules<N> {
     }
 }
 
+/// Σ_i Σ_j c_ij r1^i r2^j over the sums of the grades of both inputs.
+#[inline(always)]
+fn quotient<const N: usize>(
+    progression: &Progression<f64x2, N>,
+    consequents: &[[f64x2; N]; N],
+    x: f64x2,
+) -> f64x2 {
+    let r = progression.ratio(x);
+    let [first, second] = r.to_array().map(f64x2::splat);
+    let [total_first, total_second] = polynomial(r, &progression.quotient).to_array();
+    let mut rows = [f64x2::ZERO; N];
+    for i in 0..N {
+        rows[i] = polynomial(second, &consequents[i]);
+    }
+    // the reciprocal is computed while the outputs are summed up
+    polynomial(first, &rows) * f64x2::splat(1.0 / (total_first * total_second))
+}
+
 /// The numbers of the first input, and those of the second, each in both places.
 #[inline(always)]
 fn split<const N: usize>(pairs: &[f64x2; N]) -> [[f64x2; N]; 2] {
@@ -246,13 +275,17 @@ fn split<const N: usize>(pairs: &[f64x2; N]) -> [[f64x2; N]; 2] {
     out
 }
 
+/// Σ weight · value, in two sums, each of which waits for its last product only.
 #[inline(always)]
 fn mean<const N: usize>(weights: &[f64x2; N], values: &[f64x2; N]) -> f64x2 {
-    let mut sum = f64x2::ZERO;
-    for (weight, value) in weights.iter().zip(values) {
-        sum += *weight * *value;
+    let (mut even, mut odd) = (weights[0] * values[0], weights[1] * values[1]);
+    for k in (2..N).step_by(2) {
+        even += weights[k] * values[k];
+        if k + 1 < N {
+            odd += weights[k + 1] * values[k + 1];
+        }
     }
-    sum
+    even + odd
 }
 
 #[inline(always)]

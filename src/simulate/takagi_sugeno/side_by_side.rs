@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::grades::{Grades, LEAST_SUM};
+use super::grades::{Grades, LEAST_SUM, Progression, polynomial};
 use super::{Defuzzification, TakagiSugeno};
 use crate::math::Lanes;
 
@@ -11,8 +11,11 @@ pub(crate) struct RulesSideBySide<S: Simd, const N: usize> {
     range: [(f64, f64); 2],
     grades: [Grades<Lanes<S>, N>; 2],
     average: bool,
-    /// Consequents of each rule for f31, then for f41.
-    consequents: [[[Lanes<S>; 2]; N]; N],
+    /// The grades if they are powers.
+    powers: Option<[Progression<Lanes<S>, N>; 2]>,
+    /// Consequents of each rule of the first input for f31, and for f41; of powers times the quotients of the
+    /// functions.
+    consequents: [[[Lanes<S>; N]; 2]; N],
 }
 
 impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
@@ -24,9 +27,12 @@ impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
     pub(crate) fn new(simd: S, system: &TakagiSugeno, thetas: &[Vec<f64>]) -> Self {
         let count = system.memberships(0).len();
         let average = system.defuzzification() == Defuzzification::WeightedAverage;
+        let inputs = system.inputs();
+        let grades = |i: usize| Grades::new([&inputs[i]], average, |[x]| Lanes::splat(simd, x));
+        let grades: [Grades<Lanes<S>, N>; 2] = [grades(0), grades(1)];
+        let powers = grades[0].progression().zip(grades[1].progression()).map(|(a, b)| [a, b]);
         let mut lanes = vec![0.0; Lanes::<S>::COUNT];
-        let zero = Lanes::splat(simd, 0.0);
-        let mut consequents = [[[zero; 2]; N]; N];
+        let mut consequents = [[[Lanes::splat(simd, 0.0); N]; 2]; N];
         for i in 0..count {
             for j in 0..count {
                 for o in 0..2 {
@@ -34,47 +40,66 @@ impl<S: Simd, const N: usize> RulesSideBySide<S, N> {
                     for (lane, number) in lanes.iter_mut().enumerate() {
                         *number = thetas[lane.min(thetas.len() - 1)][place];
                     }
-                    consequents[i][j][o] = Lanes::load(simd, &lanes);
+                    let consequent = Lanes::load(simd, &lanes);
+                    consequents[i][o][j] = match &powers {
+                        Some([a, b]) => consequent * a.quotient[i] * b.quotient[j],
+                        None => consequent,
+                    };
                 }
             }
         }
-        let inputs = system.inputs();
-        let grades = |i: usize| Grades::new([&inputs[i]], average, |[x]| Lanes::splat(simd, x));
-        Self { range: system.range(), grades: [grades(0), grades(1)], average, consequents }
+        Self { range: system.range(), grades, average, powers, consequents }
     }
 
     /// [f31, f41] of every system at its own wheel speeds [rad/s²].
     #[inline(always)]
     pub(crate) fn output(&self, omega: &[Lanes<S>; 2]) -> [Lanes<S>; 2] {
         let [(low_a, high_a), (low_b, high_b)] = self.range;
-        let a = self.grades[0].at(omega[0].max(low_a).min(high_a));
-        let b = self.grades[1].at(omega[1].max(low_b).min(high_b));
-        let (mut first, mut second) = along(&a[0], &b, &self.consequents[0]);
+        let x = [omega[0].max(low_a).min(high_a), omega[1].max(low_b).min(high_b)];
+        if let Some(powers) = &self.powers {
+            return self.quotient(powers, &x);
+        }
+        let (a, b) = (self.grades[0].at(x[0]), self.grades[1].at(x[1]));
+        let mut out = [
+            a[0] * sum_of(&b, &self.consequents[0][0]),
+            a[0] * sum_of(&b, &self.consequents[0][1]),
+        ];
         for i in 1..N {
-            let (p, q) = along(&a[i], &b, &self.consequents[i]);
-            (first, second) = (first + p, second + q);
+            for o in 0..2 {
+                out[o] = a[i].times_plus(sum_of(&b, &self.consequents[i][o]), out[o]);
+            }
         }
         if self.average {
             let scale = (sum(&a).max(LEAST_SUM) * sum(&b).max(LEAST_SUM)).recip();
-            (first, second) = (first * scale, second * scale);
+            out = [out[0] * scale, out[1] * scale];
         }
-        [first, second]
+        out
+    }
+
+    /// Σ_i Σ_j c_ij r1^i r2^j over the sums of the grades of both inputs.
+    #[inline(always)]
+    fn quotient(&self, powers: &[Progression<Lanes<S>, N>; 2], x: &[Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        let [a, b] = powers;
+        let r = [a.ratio(x[0]), b.ratio(x[1])];
+        let total = polynomial(r[0], &a.quotient) * polynomial(r[1], &b.quotient);
+        let scale = total.recip();
+        let mut rows = [a.quotient; 2];
+        for i in 0..N {
+            rows[0][i] = polynomial(r[1], &self.consequents[i][0]);
+            rows[1][i] = polynomial(r[1], &self.consequents[i][1]);
+        }
+        [polynomial(r[0], &rows[0]) * scale, polynomial(r[0], &rows[1]) * scale]
     }
 }
 
-/// Contribution of the rules of one function of the first input to both outputs.
+/// Σ weight · value.
 #[inline(always)]
-fn along<S: Simd, const N: usize>(
-    a: &Lanes<S>,
-    b: &[Lanes<S>; N],
-    row: &[[Lanes<S>; 2]; N],
-) -> (Lanes<S>, Lanes<S>) {
-    let (mut first, mut second) = (b[0] * row[0][0], b[0] * row[0][1]);
-    for j in 1..N {
-        first = first + b[j] * row[j][0];
-        second = second + b[j] * row[j][1];
+fn sum_of<S: Simd, const N: usize>(weights: &[Lanes<S>; N], values: &[Lanes<S>; N]) -> Lanes<S> {
+    let mut sum = weights[0] * values[0];
+    for k in 1..N {
+        sum = weights[k].times_plus(values[k], sum);
     }
-    (*a * first, *a * second)
+    sum
 }
 
 #[inline(always)]
