@@ -3,6 +3,7 @@
 mod banded;
 mod correlation;
 mod covariance;
+mod damped;
 pub mod descent;
 pub mod distribution;
 #[cfg(test)]
@@ -25,6 +26,7 @@ mod products;
 pub mod robust;
 mod rounding;
 mod runge_kutta;
+mod runs;
 pub mod scalar;
 mod singular_values;
 mod span;
@@ -33,6 +35,7 @@ mod symbol;
 pub use banded::BandedCholesky;
 pub(crate) use correlation::correlation;
 pub use covariance::{clustered_covariance, correlations, raise_errors, sandwich};
+pub(crate) use damped::{Attempt, DampedSearch, Proposal, take_steps};
 pub use descent::{MinimiseOptions, Minimum, MinimumStatus, Quadratic, minimise};
 pub use error::MathError;
 pub use expression::{Expression, ExpressionError};
@@ -46,12 +49,13 @@ pub use least_squares::{LinearFit, fit};
 pub(crate) use log_product::LogProduct;
 pub(crate) use moments::{Line, Moments, mean};
 pub use nonnegative::nonnegative;
-pub(crate) use normal_equations::{FewCoefficients, NormalEquations};
+pub(crate) use normal_equations::{FewCoefficients, NormalEquations, scaled_inverse};
 pub use order::{median, median_high, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use rounding::round_significant;
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
+pub(crate) use runs::runs;
 
 pub use scalar::{Dual, Real, sgn};
 pub(crate) use singular_values::pseudo_inverse;
