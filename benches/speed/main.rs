@@ -4,6 +4,7 @@
 //! cargo bench --bench speed               divan's figures, then the table of ratios
 //! cargo bench --bench speed -- ratios     the table alone
 //! cargo bench --bench speed -- emulators  the rows of the fuzzy methods alone
+//! cargo bench --bench speed -- filter     the rows of the filter and of the default fit alone
 //! cargo bench --bench speed -- simulation divan's figures of one group alone
 //! ```
 //! Ratios vary less between machines than times.
@@ -317,6 +318,26 @@ fn of_diagnosis_alone() {
     of_diagnosis(fit_of_one);
 }
 
+/// A step of the filter, with and without derivatives, over the Runge-Kutta kernel, and the default fit.
+fn of_filter() {
+    println!("| what | over | ratio | time |\n|---|---|---:|---:|");
+    let steps = (RUN.len() - 1) as f64;
+    let p = BASE.initial();
+    let kernel = best(|| kernel_of_fourth_order(black_box(&p), &RUN)) / steps;
+    let filter = likelihood(std::slice::from_ref(&*RUN));
+    let over = "Runge-Kutta kernel";
+    row("a step of the filter", over, best(|| run_pass(&BASE, &filter, false)) / steps, kernel);
+    for (what, model) in [
+        ("a step of the filter with derivatives", with_effects(0)),
+        ("a step with derivatives, 8 effects more", with_effects(8)),
+        ("a step with derivatives, wheel slip", BASE.add("wheel_slip").expect("an effect")),
+    ] {
+        row(what, over, best(|| run_pass(&model, &filter, true)) / steps, kernel);
+    }
+    let fit_of_one = best(|| fit("prediction_error", std::slice::from_ref(&*RUN)));
+    row("fit by `prediction_error`, 25 s", over, fit_of_one, kernel * steps);
+}
+
 /// The rows of the fuzzy methods alone.
 fn fuzzy_ratios() {
     println!("| what | over | ratio | time |\n|---|---|---:|---:|");
@@ -394,6 +415,7 @@ fn main() {
         None | Some("ratios") => ratios(),
         Some("emulators") => fuzzy_ratios(),
         Some("diagnosis") => of_diagnosis_alone(),
+        Some("filter") => of_filter(),
         Some(_) => (),
     }
 }

@@ -1,5 +1,9 @@
 //! Means with standard errors for values that are correlated within blocks.
 
+use nalgebra::{DMatrix, DVector};
+
+use crate::math::clustered_covariance;
+
 /// A mean with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Mean {
@@ -41,13 +45,16 @@ pub(super) struct Sample {
 pub(super) fn clustered_factor(samples: &[Sample]) -> Mean {
     let square: f64 = samples.iter().map(|s| s.per * s.per).sum();
     let value = samples.iter().map(|s| s.per * s.value).sum::<f64>() / square;
-    let (mut scatter, mut blocks) = (0.0, 0);
-    for block in samples.chunk_by(|a, b| a.block == b.block) {
-        scatter += block.iter().map(|s| s.per * (s.value - value * s.per)).sum::<f64>().powi(2);
-        blocks += 1;
-    }
-    let small = blocks as f64 / (blocks as f64 - 1.0);
-    let std_error = if blocks > 1 { (small * scatter).sqrt() / square } else { f64::NAN };
+    let blocks = samples.chunk_by(|a, b| a.block == b.block).count();
+    let n = samples.len();
+    let regressor = DMatrix::from_fn(n, 1, |k, _| samples[k].per);
+    let residual = DVector::from_fn(n, |k, _| samples[k].value - value * samples[k].per);
+    let block: Vec<usize> = samples.iter().map(|s| s.block).collect();
+    let bread = DMatrix::from_element(1, 1, 1.0 / square);
+    let std_error = match blocks {
+        0 | 1 => f64::NAN,
+        _ => clustered_covariance(&bread, &regressor, &residual, &block, n)[(0, 0)].sqrt(),
+    };
     Mean { value, std_error, blocks }
 }
 

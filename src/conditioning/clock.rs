@@ -166,14 +166,14 @@ mod tests {
     fn stamps_of_a_receiver_that_looks_now_and_then_are_no_coarse_clock() {
         // rows of 2 ms, taken every 3 to 6 ms and stamped in milliseconds
         let times: Vec<f64> = (0..600).map(|k| 0.002 * f64::from(k)).collect();
-        let mut looks = vec![0.0];
+        let mut polls = vec![0.0];
         let mut at = 0.0;
         while at < 1.3 {
-            at += 1e-3 * [4.0, 4.0, 3.0, 5.0, 6.0, 4.0][looks.len() % 6];
-            looks.push(at);
+            at += 1e-3 * [4.0, 4.0, 3.0, 5.0, 6.0, 4.0][polls.len() % 6];
+            polls.push(at);
         }
         let mut channels = stamped(&times, 1e-9);
-        let late = |t: &f64| looks.iter().copied().find(|look| *look >= *t - 1e-9);
+        let late = |t: &f64| polls.iter().copied().find(|poll| *poll >= *t - 1e-9);
         channels.t = times.iter().filter_map(late).collect();
         let found = done(channels);
         assert!(matches!(found.findings[0].kind, Kind::Batches { .. }), "{:?}", found.findings);

@@ -23,7 +23,7 @@ use super::input::speeds;
 use super::signal::{column, median_high, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::smallest_change;
-use crate::math::{fit, mean, sgn};
+use crate::math::{fit, mean, runs, sgn};
 use crate::recording::{SHORT, View, Window, windows_of};
 
 /// Shortest stretch, and shortest motion computed for it \[s\]: several times the dead time of a radio link.
@@ -143,7 +143,7 @@ impl<'a> Log<'a> {
         let long = self.rests.iter().flatten().filter(|rows| self.is_long(rows));
         let mut outside = vec![true; self.omega.len()];
         long.for_each(|rows| outside[rows.clone()].fill(false));
-        let moving = self.windows(&runs(&outside));
+        let moving = self.windows(&runs(outside.len(), |k| outside[k]));
         let Some(load) = Load::of(&moving, i) else {
             return self.most_of_it(i).into_iter().collect();
         };
@@ -301,13 +301,6 @@ fn constant(work: &Conditioned, i: usize, step: f64, pieces: &[Range<usize>]) ->
         }
     }
     out
-}
-
-/// The ranges whose flag is set.
-fn runs(flags: &[bool]) -> Vec<Range<usize>> {
-    let starts = |k: &usize| flags[*k] && (*k == 0 || !flags[k - 1]);
-    let end = |k: usize| (k..flags.len()).find(|&j| !flags[j]).unwrap_or(flags.len());
-    (0..flags.len()).filter(starts).map(|k| k..end(k)).collect()
 }
 
 #[cfg(test)]

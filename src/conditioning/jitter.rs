@@ -213,16 +213,16 @@ mod tests {
         let mut work = work(0.0, 0.0, 1e-3);
         work.channels.t.iter_mut().enumerate().for_each(|(k, t)| *t = 0.01 * k as f64);
         let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
-        let (mut looks, mut step) = (vec![0.0_f64], 0);
-        while looks[looks.len() - 1] < 21.0 {
+        let (mut polls, mut step) = (vec![0.0_f64], 0);
+        while polls[polls.len() - 1] < 21.0 {
             step = (step + 7) % 11;
-            looks.push(looks[looks.len() - 1] + 0.03 + 0.002 * f64::from(step));
+            polls.push(polls[polls.len() - 1] + 0.03 + 0.002 * f64::from(step));
         }
         let values = work.channels.t.iter().map(|t| motion(*t)).collect();
         let even = work.channels.t.clone();
         let late = |(k, t): (usize, &f64)| {
-            let look = looks.iter().copied().find(|look| look >= t).unwrap();
-            look + 1e-4 * (k % 7) as f64
+            let poll = polls.iter().copied().find(|poll| poll >= t).unwrap();
+            poll + 1e-4 * (k % 7) as f64
         };
         work.channels.alpha = Some(values);
         work.channels.t = even.iter().enumerate().map(late).collect();

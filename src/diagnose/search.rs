@@ -211,24 +211,24 @@ impl<'a> Search<'a> {
         // the shift of the input, a nuisance parameter, is fixed while lags and delays are screened,
         // because it is equivalent to them
         let held = held_in_time(present);
-        let look = |model| self.look(model, &present.p);
-        let looks = rayon::join(|| look(&present.model), || look(&held)).into();
-        let mut ranked = self.screened(present, &looks);
+        let of = |model| self.criteria(model, &present.p);
+        let criteria = rayon::join(|| of(&present.model), || of(&held)).into();
+        let mut ranked = self.screened(present, &criteria);
         ranked.sort_by(|a, b| a.screened.total_cmp(&b.screened));
         let (first, second) = self.wanted(present, &ranked);
-        self.refit_all(present, &mut ranked, &first, Some(&looks));
+        self.refit_all(present, &mut ranked, &first, Some(&criteria));
         let refits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?.cost)));
         let most_is_left = |cost: f64| cost > THRESHOLDS.most_left * present.cost;
         let widens = is_base || present.model.is_coupled();
         if widens && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
-            self.refit_all(present, &mut ranked, &second, Some(&looks));
+            self.refit_all(present, &mut ranked, &second, Some(&criteria));
         }
         self.order(&mut ranked);
         ranked
     }
 
     /// The two tests of the screening, on the residuals of `model` at `p`.
-    fn look<'b>(&'b self, model: &'b Model, p: &'b [f64]) -> Look<'b> {
+    fn criteria<'b>(&'b self, model: &'b Model, p: &'b [f64]) -> Criteria<'b> {
         let by_torque = Regression::new(model, p, &self.smoothed, self.scale.speed);
         (by_torque, Screen::new(model, p, &self.windows, self.degrees))
     }
@@ -258,7 +258,7 @@ impl<'a> Search<'a> {
     }
 
     /// Every candidate at its best shape.
-    fn screened(&self, present: &WindowFit, looks: &[Look; 2]) -> Vec<Ranked> {
+    fn screened(&self, present: &WindowFit, criteria: &[Criteria; 2]) -> Vec<Ranked> {
         let recordings = &self.windows.recordings;
         let all = candidates(
             &present.model,
@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
         let mut looked: Vec<Ranked> = all
             .into_par_iter()
             .map_init(Buffers::default, |buffer, candidate| {
-                let (regression, screen) = &looks[usize::from(candidate.is_shift())];
+                let (regression, screen) = &criteria[usize::from(candidate.is_shift())];
                 let (by_regression, first) =
                     regression.as_ref().map_or((0.0, vec![]), |r| r.ratio(&candidate, buffer));
                 let (by_windows, second) =
@@ -356,7 +356,7 @@ fn is_two_mass(r: &Ranked) -> bool {
 }
 
 /// The two criteria of the screening for the residuals of a model.
-type Look<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
+type Criteria<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
 
 /// The model of a fit with the time of its input held.
 fn held_in_time(present: &WindowFit) -> Model {

@@ -8,15 +8,12 @@ use super::error::RunError;
 use super::fits::MethodFit;
 use super::plan::{MeasuredRecording, MethodPlan, Plan};
 use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
-use crate::identify::{Fit, IdentifyError};
+use crate::identify::{self, Fit, IdentifyError};
 use crate::math::correlations;
 use crate::recording::Recording;
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
 use crate::study::{Judged, MethodStudy, Performance, RecordingStudy};
-
-/// Methods in order of preference for the detailed comparison.
-const PREFERRED: [&str; 4] = ["prediction_error", "weak_form", "output_error", "torque_regression"];
 
 /// The fits of a plan's methods with their errors on its recordings.
 #[derive(Clone)]
@@ -85,12 +82,13 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
 }
 
 /// The fit that is shown in detail: the preferred physical one, otherwise the first.
-fn reference(fits: &[MethodFit]) -> Option<(usize, &Fit)> {
+fn reference<'a>(fits: &'a [MethodFit]) -> Option<(usize, &'a Fit)> {
     let made = || fits.iter().enumerate().filter_map(|(n, f)| Some((n, f.fit.as_ref().ok()?)));
     let physical = |fit: &Fit| fit.dynamics.physical().is_some();
-    PREFERRED
-        .iter()
-        .find_map(|name| made().find(|(_, fit)| fit.method == *name && physical(fit)))
+    let ranked = |found: (usize, &'a Fit)| Some((identify::find(&found.1.method)?.rank()?, found));
+    let all = made().filter(|(_, fit)| physical(fit)).filter_map(ranked);
+    all.min_by_key(|(rank, _)| *rank)
+        .map(|(_, found)| found)
         .or_else(|| made().find(|(_, fit)| physical(fit)))
         .or_else(|| made().next())
 }

@@ -6,9 +6,8 @@ use super::long::counted;
 use super::plan::{MethodPlan, Plan};
 use super::stages::Stages;
 use crate::diagnose::Timing;
-use crate::identify::{Estimate, Fit, IdentifyError, Note, Task};
-use crate::model::Model;
-use crate::recording::{LongRecording, Recording};
+use crate::identify::{Estimate, Excited, Fit, IdentifyError, Note, Task};
+use crate::recording::LongRecording;
 use crate::study::Role;
 
 /// Result of a method on the training recordings.
@@ -29,10 +28,13 @@ pub fn fits(plan: &Plan) -> Vec<MethodFit> {
 /// The same, with progress shown for every method.
 pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
     let (train, count) = (plan.of(Role::Train), plan.methods.len());
+    let model = plan.fitted_model();
+    let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
+    let excited = Excited::new(task);
     let fitted = |(n, method): (usize, &MethodPlan)| {
         stages.enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
         let long = counted(&plan.long(), &stages.counting("rows"));
-        fit(plan, method, &train, &long)
+        fit(plan, method, &excited, &long)
     };
     plan.methods.iter().enumerate().map(fitted).collect()
 }
@@ -40,45 +42,46 @@ pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
 fn fit(
     plan: &Plan,
     method: &MethodPlan,
-    train: &[Recording],
+    excited: &Excited,
     long: &[Option<LongRecording>],
 ) -> MethodFit {
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
-    let identify = |model: &Model| {
-        let task = Task { model, train, hold: plan.hold, seed: plan.seed };
-        let fit = super::long::identify(&*method.method, &task, &long)?;
-        let fit = fit.between_rows(train, plan.hold).under_one_size(train);
+    let identify = |excited: &Excited| {
+        let Task { model, train, hold, .. } = *excited.task();
+        let fit = super::long::identify(&*method.method, excited, &long)?;
+        let fit = fit.between_rows(train, hold).under_one_size(train);
         Ok(fit.driving_frictions(model))
     };
     let fit = match plan.late() {
-        Some(timing) => with_dead_time(&plan.fitted_model(), timing, identify),
-        None => identify(&plan.model),
+        Some(timing) => with_dead_time(excited, timing, identify),
+        None => identify(excited),
     };
     MethodFit { fit, seconds: start.elapsed().as_secs_f64() }
 }
 
-/// Fits a `model` whose last parameter is a delay that stands for the measured dead time. A fit whose delay
+/// Fits a model whose last parameter is a delay that stands for the measured dead time. A fit whose delay
 /// contradicts the measurement ended in another minimum, of which simulations of whole recordings have several: it
 /// is repeated with the delay as measured. The intervals of a method that holds the delay contain the error of the
 /// measurement.
 fn with_dead_time(
-    model: &Model,
+    excited: &Excited,
     timing: Timing,
-    identify: impl Fn(&Model) -> Result<Fit, IdentifyError>,
+    identify: impl Fn(&Excited) -> Result<Fit, IdentifyError>,
 ) -> Result<Fit, IdentifyError> {
+    let model = excited.task().model;
     let (time, error) = (timing.dead_time_s, timing.std_error_s);
     let delay = model.parameters().len() - 1;
-    let mut fit = identify(model)?;
+    let mut fit = identify(excited)?;
     let contradicts = |e: &Estimate| !e.fixed && !timing.agrees_with(e.value, e.std_error);
     if let Some(estimate) = fit.estimates.get(delay).filter(|e| contradicts(e))
         && let Ok(held) = model.fix(&estimate.symbol, time)
     {
-        fit = identify(&held)?;
+        fit = identify(&Excited::new(Task { model: &held, ..*excited.task() }))?;
     }
     if fit.holds(delay) {
-        let symbol = &fit.estimates[delay].symbol;
-        let later = model.fix(symbol, time + error).ok().map(|model| identify(&model));
+        let at_error = |model| identify(&Excited::new(Task { model: &model, ..*excited.task() }));
+        let later = model.fix(&fit.estimates[delay].symbol, time + error).ok().map(at_error);
         if let Some(Ok(later)) = later {
             fit.set_measured(delay, error, &later);
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use crate::diagnose::Progress;
-use crate::identify::{Fit, Identifier, IdentifyError, Note, Task};
+use crate::identify::{Excited, Fit, Identifier, IdentifyError, Note};
 use crate::recording::{
     Channels, Finding, Issue, LongRecording, Recording, Rows, RowsError, Severity,
 };
@@ -24,19 +24,19 @@ pub(super) fn finding(windows: &Recording, long: &LongRecording) -> Finding {
 /// The fit to every row, if the method supports this; otherwise to the windows. A note states which.
 pub(super) fn identify(
     method: &dyn Identifier,
-    task: &Task,
+    excited: &Excited,
     long: &[Option<&LongRecording>],
 ) -> Result<Fit, IdentifyError> {
     let some: Vec<&LongRecording> = long.iter().copied().flatten().collect();
     if some.is_empty() {
-        return crate::identify::identify(method, task);
+        return excited.identify(method);
     }
     let rows: usize = some.iter().map(|long| long.samples).sum();
-    let (mut fit, note) = match method.identify_long(task, long) {
+    let (mut fit, note) = match method.identify_long(excited.task(), long) {
         Some(fit) => (fit?, Note::ReadInBlocks(rows)),
         None => {
             let windows: usize = some.iter().map(|long| long.windows).sum();
-            (crate::identify::identify(method, task)?, Note::FittedToWindows(windows))
+            (excited.identify(method)?, Note::FittedToWindows(windows))
         }
     };
     fit.notes.push(note);

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::effects::{Change, Effect, Motion};
+use crate::math::pseudo_inverse;
 use crate::model::Model;
 use crate::robot::Robot;
 
@@ -217,7 +218,7 @@ fn combination(places: &[Motion<'_, f64>], torque: &[f64]) -> Option<[f64; TERMS
     }
     let columns = DMatrix::from_fn(torque.len(), TERMS, |row, j| at(&places[row / 2], row % 2)[j]);
     let wanted = DVector::from_column_slice(torque);
-    let found = columns.clone().svd(true, true).solve(&wanted, 1e-12).ok()?;
+    let found = pseudo_inverse(&columns, 1e-12)? * &wanted;
     let error = (&columns * &found - wanted).amax();
     // coefficients at the level of rounding are set to zero
     let real = |j: usize| found[j].abs() * columns.column(j).amax() > EXACT * size;

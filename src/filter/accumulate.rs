@@ -11,7 +11,7 @@ const SHORT: usize = 12;
 
 /// Information `H = Σ ψ ψ' / S` and score `g = Σ ψ e / S` of whitened innovations.
 #[derive(Clone, Debug)]
-pub struct Information {
+pub struct ScoreSums {
     columns: usize,
     /// Numbers of a gathered row: of a short one derivatives and innovation, filled up.
     width: usize,
@@ -27,7 +27,7 @@ pub struct Information {
     recent: DVector<f64>,
 }
 
-impl Information {
+impl ScoreSums {
     /// Nothing yet, for `columns` parameters.
     #[must_use]
     pub fn new(columns: usize) -> Self {
@@ -45,27 +45,12 @@ impl Information {
         }
     }
 
-    /// Where the derivatives of the next prediction are to be written, before [`Information::add`].
-    pub fn next_row(&mut self) -> &mut [f64] {
-        let first = if self.columns > 0 { self.count * self.width } else { 0 };
-        &mut self.rows[first..][..self.columns]
-    }
-
-    /// Adds one innovation `e` of variance `s`, whose derivatives stand in [`Information::next_row`].
-    pub fn add(&mut self, e: f64, s: f64) {
-        if self.columns > 0 {
-            let weight = 1.0 / s.sqrt();
-            let row = &mut self.rows[self.count * self.width..][..self.width];
-            row.iter_mut().for_each(|v| *v *= weight);
-            self.gather(e * weight);
-        }
-    }
-
     /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`.
-    pub fn add_row(&mut self, psi: &[f64], weight: f64, e: f64) {
+    #[inline]
+    pub fn add(&mut self, psi: impl IntoIterator<Item = f64>, weight: f64, e: f64) {
         if self.columns > 0 {
-            let row = self.next_row().iter_mut();
-            row.zip(psi).for_each(|(out, psi)| *out = weight * psi);
+            let row = &mut self.rows[self.count * self.width..][..self.columns];
+            row.iter_mut().zip(psi).for_each(|(out, psi)| *out = weight * psi);
             self.gather(e);
         }
     }
@@ -134,14 +119,14 @@ mod tests {
     fn short_and_long_rows_sum_up_alike_block_by_block() {
         let number = |k: usize| ((3 * k + 1) as f64).sin();
         for columns in [0, 1, 6, 7, SHORT, SHORT + 5] {
-            let mut sums = Information::new(columns);
+            let mut sums = ScoreSums::new(columns);
             let (mut h, mut g) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
             let mut taken = DVector::zeros(columns);
             for k in 0..1000 {
                 let psi: Vec<f64> = (0..columns).map(|c| number(k * columns + c)).collect();
                 let (e, s) = (number(7 * k), 1.5 + number(k));
-                sums.next_row().copy_from_slice(&psi);
-                sums.add(e, s);
+                let weight = 1.0 / f64::sqrt(s);
+                sums.add(psi.iter().copied(), weight, weight * e);
                 let psi = DVector::from(psi);
                 h += &psi * psi.transpose() / s;
                 g += psi * (e / s);

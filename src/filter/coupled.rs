@@ -3,17 +3,17 @@
 mod part;
 mod robot;
 
-use nalgebra::{Matrix2, SVector};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 
 use part::{Part, Sides};
 pub(super) use robot::Coupled;
 use robot::{BODY, STATES, TWIST};
 
 use super::ProcessNoise;
-use super::correction::{Covariance, Mean, STILL, make_symmetric};
-use super::dynamics::Dynamics;
-use super::friction::{Friction, finish, in_directions, torque_noise};
-use super::step::{Predicted, Sample, tilt_angles};
+use super::correction::{Covariance, Mean, STILL, add_torque_noise};
+use super::friction::Friction;
+use super::sample::{Predicted, Sample};
+use super::step::{Body, Braked, Step};
 use crate::effects::{Coupling, DIFFERENTIATED, Jet, MOST_PARAMETERS, Motion, Terms};
 use crate::math::Dual;
 use crate::model::{Model, ModelError, inverse_mass};
@@ -25,20 +25,21 @@ const PARTS: f64 = 8.0;
 const MOST_PARTS: f64 = 8.0;
 
 impl<'a> Coupled<'a> {
-    pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
+    pub(super) fn step(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Step<Self> {
         let energy = model.effects().iter().map(|e| e.energy());
-        let on_body = energy.map(|e| e.of_the_body()).collect();
-        let forced = vec![SVector::zeros(); p.len()];
-        Self {
+        let body = Self {
             model,
             p,
-            noise,
-            on_body,
+            on_body: energy.map(|e| e.of_the_body()).collect(),
             terms: vec![],
             joint: vec![],
-            forced,
+            forced: vec![Mean::<STATES>::zeros(); p.len()],
+            sides: None,
+            part: None,
             transition: Covariance::<STATES>::identity(),
-        }
+            gain: SMatrix::zeros(),
+        };
+        Step::new(body, noise)
     }
 
     /// Evaluates all effects at time `t` and state `x`.
@@ -138,22 +139,22 @@ impl<'a> Coupled<'a> {
             };
             for (k, j) in self.model.slots(e).enumerate().take(DIFFERENTIATED) {
                 let by = [0, 1].map(|i| -torque[i].partial[4 + k]);
-                self.forced[j] += gain * SVector::<f64, 2>::from(by);
+                self.forced[j] += gain * Vector2::from(by);
             }
         }
         for (j, [by_stiffness, by_damping, by_rotor]) in &self.joint {
             let passed =
                 [0, 1].map(|i| by_stiffness * x[TWIST + i] + by_damping * (x[2 + i] - x[BODY + i]));
-            self.forced[*j] += (part.body_gain - part.gain) * SVector::<f64, 2>::from(passed);
+            self.forced[*j] += (part.body_gain - part.gain) * Vector2::from(passed);
             // the inertia that is added to the wheel is subtracted from the body
             let wheel = part.wheel_acceleration.map(|a| -by_rotor * a);
             let body = part.body_acceleration.map(|a| by_rotor * a);
-            self.forced[*j] += part.gain * SVector::<f64, 2>::from(wheel)
-                + part.body_gain * SVector::<f64, 2>::from(body);
+            self.forced[*j] +=
+                part.gain * Vector2::from(wheel) + part.body_gain * Vector2::from(body);
         }
     }
 
-    /// Into how many parts a step is cut.
+    /// Into how many parts a step of `h` \[s\] is cut.
     fn parts(sides: &Sides, h: f64) -> usize {
         let Coupling { stiffness, damping, .. } = sides.coupling;
         let mobility = 1.0 / sides.rotor + sides.mobility[(0, 0)] + sides.mobility[(0, 1)].abs();
@@ -162,7 +163,7 @@ impl<'a> Coupled<'a> {
     }
 }
 
-impl Dynamics<STATES> for Coupled<'_> {
+impl Body<STATES> for Coupled<'_> {
     /// The body starts with the speeds of the wheels, with a variance of slip and twist that the input can
     /// cause.
     fn start(
@@ -185,119 +186,91 @@ impl Dynamics<STATES> for Coupled<'_> {
         }
     }
 
-    fn predict(
+    fn evaluate(
         &mut self,
         sample: &Sample,
+        _: &Predicted,
+        mean: &Mean<STATES>,
+    ) -> Result<Braked, ModelError> {
+        let sides = self.sides(sample.t + 0.5 * sample.step, mean)?;
+        self.sides = Some(sides);
+        Ok(Braked { level: sides.level, mobility: [1.0 / sides.rotor, 0.0, 1.0 / sides.rotor] })
+    }
+
+    fn begin(&mut self, h: f64) -> usize {
+        self.forced.iter_mut().for_each(|column| column.fill(0.0));
+        self.part = None;
+        self.sides.as_ref().map_or(1, |sides| Self::parts(sides, h))
+    }
+
+    fn solve(
+        &mut self,
+        friction: &Friction,
+        sample: &Sample,
+        mean: &Mean<STATES>,
+        h: f64,
+        decay: f64,
+    ) -> Result<[f64; 2], ModelError> {
+        let first = self.part.is_none();
+        let mass = self.sides.map_or(0.0, |sides| sides.rotor);
+        let part = self.sides.and_then(|s| self.part(&s, friction, mean, sample, (h, decay)));
+        let not_positive = ModelError::MassNotPositive { m11: mass, m12: 0.0, m22: 0.0 };
+        let part = part.ok_or(not_positive)?;
+        (self.transition, self.gain) = if first {
+            (part.transition, part.gain)
+        } else {
+            (part.transition * self.transition, part.transition * self.gain + part.gain)
+        };
+        let acceleration = [0, 1].map(|i| part.shift[2 + i] / h);
+        self.part = Some(part);
+        Ok(acceleration)
+    }
+
+    /// Carries the derivatives over the part.
+    fn differentiate(&mut self, friction: &Friction, _: &[f64; 2], mean: &Mean<STATES>) {
+        if let Some(part) = self.part.take() {
+            self.force(friction, mean, &part);
+            self.part = Some(part);
+        }
+    }
+
+    fn advance(
+        &mut self,
+        _: &Sample,
+        _: &[f64; 2],
         mean: &mut Mean<STATES>,
         covariance: &mut Covariance<STATES>,
-        derivatives: bool,
-    ) -> Result<Predicted<STATES>, ModelError> {
-        let before = *mean;
-        let middle = sample.t + 0.5 * sample.step;
-        let mut sides = self.sides(middle, mean)?;
-        let count = Self::parts(&sides, sample.step);
-        let h = sample.step / count as f64;
-        let decay = if self.noise.sigma_d > 0.0 { (-h / self.noise.tau_d).exp() } else { 0.0 };
-        let mut out: Option<Predicted<STATES>> = None;
-        let mut left = [0.0_f64; 4];
-        self.forced.iter_mut().for_each(|column| *column = SVector::zeros());
-        for part in 0..count {
-            if part > 0 {
-                sides = self.sides(middle, mean)?;
-            }
-            let (omega, variances) = ([mean[2], mean[3]], variances(covariance));
-            let wheel = [1.0 / sides.rotor, 0.0, 1.0 / sides.rotor];
-            let open = sample.speed_variance;
-            let friction = Friction::over(h, &sides.level, &omega, &variances, wheel, open);
-            let moved = self.part(&sides, &friction, mean, &sample.input, sample.still, h);
-            let Some(mut moved) = moved else {
-                return Err(ModelError::MassNotPositive { m11: sides.rotor, m12: 0.0, m22: 0.0 });
-            };
-            for i in 4..6 {
-                moved.transition.row_mut(i).fill(0.0);
-                moved.transition[(i, i)] = decay;
-            }
-            if derivatives {
-                self.force(&friction, mean, &moved);
-            }
-            *mean += moved.shift;
-            (mean[4], mean[5]) = (mean[4] * decay, mean[5] * decay);
-            *covariance = moved.transition * *covariance * moved.transition.transpose();
-            self.transition =
-                if part == 0 { moved.transition } else { moved.transition * self.transition };
-            let acceleration = moved.wheel_acceleration;
-            let rest = friction.with_reversals(&omega, &acceleration, &variances, h);
-            left = [0, 1, 2, 3].map(|j| left[j].max(rest[j]));
-            out = Some(match out {
-                None => {
-                    let variance = std::array::from_fn(|i| covariance[(i, i)]);
-                    Predicted {
-                        gain: moved.gain,
-                        acceleration,
-                        sign: friction.sign,
-                        alpha: [before[0], before[1]],
-                        omega: [before[2], before[3]],
-                        variance,
-                        spread: [0.0; 2],
-                    }
-                }
-                Some(so_far) => {
-                    Predicted { gain: moved.transition * so_far.gain + moved.gain, ..so_far }
-                }
-            });
+    ) {
+        if let Some(part) = &self.part {
+            *mean += part.shift;
+            *covariance = part.transition * *covariance * part.transition.transpose();
         }
-        let Some(mut out) = out else {
-            return Err(ModelError::MassNotPositive { m11: 0.0, m12: 0.0, m22: 0.0 });
-        };
-        let [.., turning, forward] = variances(covariance);
-        out.spread = [turning, forward];
-        out.acceleration = [0, 1].map(|i| (mean[2 + i] - before[2 + i]) / sample.step);
-        tilt_angles(mean, &out.gain, sample);
-        let noise = torque_noise(self.noise.sigma_m, &sample.change, &left);
-        *covariance += out.gain * noise * out.gain.transpose();
-        make_symmetric(covariance);
-        finish(&self.noise, self.transition[(4, 4)], sample.still, mean, covariance);
-        Ok(out)
+    }
+
+    fn add_noise(&self, torque: &Matrix2<f64>, covariance: &mut Covariance<STATES>) {
+        add_torque_noise(covariance, &self.gain, torque);
     }
 
     fn transition(&self) -> Covariance<STATES> {
         self.transition
     }
 
-    fn carry(
-        &self,
-        predicted: &Predicted<STATES>,
-        sample: &Sample,
-        extra: &[[f64; 2]],
-        psi: &mut [[f64; STATES]],
-    ) {
-        let parameters = self.forced.len();
-        for (j, column) in psi.iter_mut().enumerate() {
-            let mut moved = self.transition * SVector::from(*column);
-            let torque = if j < parameters {
-                moved += self.forced[j];
-                sample.by_parameter.get(j).copied().unwrap_or([0.0; 2])
-            } else {
-                extra[j - parameters]
-            };
-            moved += predicted.gain * SVector::<f64, 2>::from(torque);
-            for i in (0..2).filter(|&i| sample.still[i]) {
-                moved[i] = column[i];
-                moved[2 + i] = 0.0;
-            }
-            *column = moved.into();
+    fn gain(&self) -> SMatrix<f64, STATES, 2> {
+        self.gain
+    }
+
+    fn carried(&self, column: &[f64; STATES], j: Option<usize>, torque: [f64; 2]) -> [f64; STATES] {
+        let mut moved = self.transition * Mean::<STATES>::from(*column);
+        if let Some(j) = j {
+            moved += self.forced[j];
         }
+        moved += self.gain * Vector2::from(torque);
+        moved.into()
     }
 
-    /// The bias by noise of the input is worked out for rigid robots only.
-    fn mass_slopes(&mut self, _: &Predicted<STATES>) -> Vec<(usize, Matrix2<f64>)> {
-        vec![]
+    fn parameters(&self) -> usize {
+        self.forced.len()
     }
-}
-
-/// Variances of the wheels' speeds along the directions [rad^2/s^2].
-fn variances(covariance: &Covariance<STATES>) -> [f64; 4] {
-    in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]])
 }
 
 #[cfg(test)]

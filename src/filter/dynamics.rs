@@ -1,16 +1,14 @@
-//! The dynamics of a step: the rigid robot, or (in `coupled`) one with a body behind its wheels.
+//! The dynamics over a row, as the loop over rows uses them.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, SMatrix};
 
-use super::ProcessNoise;
 use super::correction::{Covariance, Mean};
-use super::push::Push;
-use super::step::{Law, Predicted, Sample, move_parameters, predict};
-use crate::model::{Linearisation, Model, ModelError};
+use super::sample::{Predicted, Sample};
+use crate::model::ModelError;
 
 /// One prediction of a filter with `N` states, and its derivatives.
 pub(super) trait Dynamics<const N: usize> {
-    /// Fills the states beyond the first six at the start of a piece; `input` acts there [N m].
+    /// Fills the states beyond angles and speeds at the start of a piece; `input` acts there [N m].
     fn start(&mut self, input: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>);
 
     /// Moves mean and covariance over one sample.
@@ -20,75 +18,21 @@ pub(super) trait Dynamics<const N: usize> {
         mean: &mut Mean<N>,
         covariance: &mut Covariance<N>,
         derivatives: bool,
-    ) -> Result<Predicted<N>, ModelError>;
+    ) -> Result<Predicted, ModelError>;
 
     /// The transition matrix of the last prediction.
     fn transition(&self) -> Covariance<N>;
 
+    /// Effect of a torque on the wheels that lasts over the last prediction.
+    fn gain(&self) -> SMatrix<f64, N, 2>;
+
     /// Moves the derivatives of the mean over the same sample: those by the parameters, then those
     /// by torque columns, whose torques on the wheels are `extra` [N m].
-    fn carry(
-        &self,
-        predicted: &Predicted<N>,
-        sample: &Sample,
-        extra: &[[f64; 2]],
-        psi: &mut [[f64; N]],
-    );
+    fn carry(&self, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; N]]);
 
-    /// `∂(mass matrix)/∂θ` of the parameters that have one.
-    fn mass_slopes(&mut self, predicted: &Predicted<N>) -> Vec<(usize, Matrix2<f64>)>;
-}
-
-/// Wheels and body are one.
-pub(super) struct Rigid<'a> {
-    law: Law<'a>,
-    work: Linearisation,
-    /// The last step.
-    push: Push,
-}
-
-impl<'a> Rigid<'a> {
-    pub(super) fn new(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Self {
-        Self { law: Law { model, p, noise }, work: Linearisation::new(p.len()), push: Push::none() }
-    }
-}
-
-impl Dynamics<6> for Rigid<'_> {
-    fn start(&mut self, _: &[f64; 2], _: &mut Mean<6>, _: &mut Covariance<6>) {}
-
-    #[inline]
-    fn predict(
-        &mut self,
-        sample: &Sample,
-        mean: &mut Mean<6>,
-        covariance: &mut Covariance<6>,
-        derivatives: bool,
-    ) -> Result<Predicted<6>, ModelError> {
-        let (work, push) = (&mut self.work, &mut self.push);
-        let predicted = predict(&self.law, sample, mean, covariance, work, push)?;
-        if derivatives {
-            let (acceleration, sign) = (&predicted.acceleration, &predicted.sign);
-            self.law.model.differentiate_by_parameter(acceleration, sign, work);
-        }
-        Ok(predicted)
-    }
-
-    fn transition(&self) -> Covariance<6> {
-        self.push.transition()
-    }
-
-    fn carry(&self, _: &Predicted<6>, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; 6]]) {
-        move_parameters(&self.push, &self.work, sample, extra, psi);
-    }
-
-    fn mass_slopes(&mut self, predicted: &Predicted<6>) -> Vec<(usize, Matrix2<f64>)> {
-        let mut by = |a: &[f64; 2]| {
-            self.law.model.differentiate(a, &predicted.sign, &mut self.work);
-            self.work.by_parameter.clone()
-        };
-        let slopes = slopes_of_mass(&mut by);
-        by(&predicted.acceleration);
-        slopes
+    /// `∂(mass matrix)/∂θ` of the parameters that have one; none where it is not computed.
+    fn mass_slopes(&mut self, _: &Predicted) -> Vec<(usize, Matrix2<f64>)> {
+        vec![]
     }
 }
 

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-use super::correction::{Covariance, Mean, make_symmetric};
+use super::correction::{Covariance, Mean, add_torque_noise, carried_over};
 use super::dynamics::{Dynamics, slopes_of_mass};
 use super::friction::torque_noise;
-use super::step::{Predicted, Sample};
+use super::sample::{Predicted, Sample};
 use crate::effects::Motion;
 use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 use crate::robot::State;
@@ -33,6 +33,8 @@ pub(super) struct Exact<'a> {
     acting: Vec<(usize, Ends)>,
     /// Of the last step.
     transition: Covariance<4>,
+    /// Effect of a torque over the last step without contact.
+    gain: SMatrix<f64, 4, 2>,
     /// Wheels at rest after the step.
     rest: [bool; 2],
     /// `∂(mass matrix)/∂θ` of the parameters that have one, at rest: enough for an instrument.
@@ -50,13 +52,14 @@ impl<'a> Exact<'a> {
             walk,
             acting: vec![],
             transition: Covariance::<4>::identity(),
+            gain: SMatrix::zeros(),
             rest: [false; 2],
             slopes,
         }
     }
 
     /// Input matrix G of a step without contact: change of the state per unit torque.
-    fn gain(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
+    fn gain_of(&self, sample: &Sample, mean: &Mean<4>) -> Result<SMatrix<f64, 4, 2>, ModelError> {
         let [i11, i12, i22] = match self.walk.mobility() {
             Some(constant) => constant,
             None => self.mobility(sample, mean)?,
@@ -85,8 +88,8 @@ impl Dynamics<4> for Exact<'_> {
         mean: &mut Mean<4>,
         covariance: &mut Covariance<4>,
         _: bool,
-    ) -> Result<Predicted<4>, ModelError> {
-        let gain = self.gain(sample, mean)?;
+    ) -> Result<Predicted, ModelError> {
+        self.gain = self.gain_of(sample, mean)?;
         let before = State { alpha: [mean[0], mean[1]], omega: [mean[2], mean[3]] };
         self.acting.clear();
         let ends = sample.ends_by_parameter.iter().enumerate();
@@ -105,12 +108,10 @@ impl Dynamics<4> for Exact<'_> {
         self.transition = transition;
         *mean = Mean::<4>::new(after.alpha[0], after.alpha[1], after.omega[0], after.omega[1]);
         let torque = torque_noise(self.sigma, &sample.change, &sample.crossing);
-        *covariance =
-            transition * *covariance * transition.transpose() + gain * torque * gain.transpose();
-        make_symmetric(covariance);
+        *covariance = carried_over(&transition, covariance);
+        add_torque_noise(covariance, &self.gain, &torque);
         let acceleration = [0, 1].map(|i| (after.omega[i] - before.omega[i]) / sample.step);
         Ok(Predicted {
-            gain,
             acceleration,
             sign: [0.0; 4],
             alpha: before.alpha,
@@ -124,14 +125,12 @@ impl Dynamics<4> for Exact<'_> {
         self.transition
     }
 
-    fn carry(
-        &self,
-        predicted: &Predicted<4>,
-        sample: &Sample,
-        extra: &[[f64; 2]],
-        psi: &mut [[f64; 4]],
-    ) {
-        let g = &predicted.gain;
+    fn gain(&self) -> SMatrix<f64, 4, 2> {
+        self.gain
+    }
+
+    fn carry(&self, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; 4]]) {
+        let g = &self.gain;
         let carried = |column: &mut [f64; 4], forced: [f64; 4]| {
             let moved = self.transition * SVector::<f64, 4>::from(*column);
             for i in 0..4 {
@@ -158,10 +157,6 @@ impl Dynamics<4> for Exact<'_> {
                 column[2 + i] = 0.0;
             }
         }
-    }
-
-    fn mass_slopes(&mut self, _: &Predicted<4>) -> Vec<(usize, Matrix2<f64>)> {
-        vec![]
     }
 }
 

@@ -3,8 +3,7 @@
 
 use nalgebra::Matrix2;
 
-use super::ProcessNoise;
-use super::correction::{Covariance, Mean, STILL, freeze};
+use super::correction::STILL;
 use crate::effects::along;
 use crate::math::Real;
 
@@ -175,23 +174,4 @@ pub(super) fn torque_noise(sigma: f64, change: &[f64; 2], friction: &[f64; 4]) -
 pub(super) fn input_variance(sigma: f64, change: f64) -> f64 {
     let white = sigma * sigma;
     white + (change * change - 6.0 * white).max(0.0) / 12.0
-}
-
-/// Completes a step with decay factor `decay` of the slow torques: adds their process noise and keeps
-/// wheels at rest.
-#[inline]
-pub(super) fn finish<const N: usize>(
-    noise: &ProcessNoise,
-    decay: f64,
-    still: [bool; 2],
-    mean: &mut Mean<N>,
-    covariance: &mut Covariance<N>,
-) {
-    let slow = noise.sigma_d.powi(2) * (1.0 - decay.powi(2));
-    for i in 0..2 {
-        covariance[(4 + i, 4 + i)] += slow;
-        if still[i] {
-            freeze(covariance, mean, i);
-        }
-    }
 }

@@ -9,21 +9,18 @@ mod tests;
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use self::between_rows::{crossing, whole_noise};
 pub(crate) use self::reading::Reading;
 use self::recorded_input::RecordedInput;
 use super::ProcessNoise;
-use super::accumulate::Information;
-use super::correction::{Covariance, Mean, correct};
 use super::coupled::Coupled;
 use super::dynamics::Dynamics;
 use super::exact::Exact;
 use super::prepare::Prepared;
-use super::step::{Sample, lag_of_angle};
-use crate::math::LogProduct;
+use super::run::{Drive, EXACT, InputSlopes, Run, Start, Sums};
+use super::sample::{Predicted, Sample, lag_of_angle};
 use crate::model::base::{A1, A2};
 use crate::model::{Model, ModelError};
 use crate::recording::{LocalMotion, Recording};
@@ -36,8 +33,6 @@ const PIECE: f64 = 5.0;
 /// against the memory of the filter, so that scores of different blocks are independent.
 const BLOCK: (f64, f64) = (2.0, 5.0);
 const BLOCKS: f64 = 20.0;
-/// Variance of an angle that defines the other one, of a computed channel.
-const EXACT: f64 = 1e-12;
 
 /// A stretch of rows over which the filter runs on its own.
 pub(crate) struct Piece {
@@ -73,23 +68,6 @@ pub(crate) struct HorizonFilter<'a> {
     whole_noise: f64,
     /// Whether the noise of the input is the same in all rows, if there is a horizon.
     pub(crate) alike: bool,
-}
-
-/// Sums over the rows of a piece.
-#[derive(Clone)]
-pub(crate) struct Sums {
-    /// Measured values.
-    pub(crate) count: f64,
-    /// `Σ e²/S`, e the innovation, S its variance.
-    pub(crate) square: f64,
-    /// `Σ ln S`.
-    pub(crate) log_variance: f64,
-    /// `Σ ψ ψ'/S`, of the parameters and of the time shift behind them.
-    pub(crate) information: DMatrix<f64>,
-    /// `Σ ψ e/S`, ψ the derivative of the prediction.
-    pub(crate) score: DVector<f64>,
-    /// The same block by block.
-    pub(crate) blocks: Vec<DVector<f64>>,
 }
 
 impl<'a> HorizonFilter<'a> {
@@ -153,29 +131,27 @@ impl<'a> HorizonFilter<'a> {
             (0..self.prepared.len()).map(|r| self.variance(r, horizon)).collect();
         let singles: Vec<bool> =
             self.prepared.iter().map(|p| p.recording.is_single_axis()).collect();
-        self.pieces
-            .par_iter()
-            .map(|piece| {
-                let r = piece.recording;
-                let run = Run {
-                    piece,
-                    prepared: &self.prepared[r],
-                    input: &inputs[r],
-                    variance: variances[r],
-                    crossing: &self.crossing[r],
-                    columns: p.len() + 1,
-                    single: singles[r],
-                    alike: self.alike && horizon > 0.0,
-                };
-                let sigma_m = self.input_noise(r, run.alike);
-                if model.is_coupled() {
-                    let noise = ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.5 };
-                    run.pass(Coupled::new(model, p, noise))
-                } else {
-                    run.pass(Exact::new(model, p, sigma_m))
-                }
-            })
-            .collect()
+        let of_piece = |piece: &Piece| {
+            let r = piece.recording;
+            let alike = self.alike && horizon > 0.0;
+            let of = Stretch {
+                piece,
+                prepared: &self.prepared[r],
+                input: &inputs[r],
+                variance: variances[r],
+                crossing: &self.crossing[r],
+                single: singles[r],
+                alike,
+            };
+            let sigma_m = self.input_noise(r, alike);
+            if model.is_coupled() {
+                let noise = ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.5 };
+                of.pass(Coupled::step(model, p, noise), p.len())
+            } else {
+                of.pass(Exact::new(model, p, sigma_m), p.len())
+            }
+        };
+        self.pieces.par_iter().map(of_piece).collect()
     }
 }
 
@@ -194,104 +170,79 @@ pub(crate) fn pieces(recordings: &[&Recording]) -> Vec<(usize, Range<usize>)> {
     out
 }
 
-struct Run<'a> {
+/// A piece with its input and noise.
+struct Stretch<'a> {
     piece: &'a Piece,
     prepared: &'a Prepared<'a>,
     input: &'a RecordedInput,
     variance: [f64; 4],
     crossing: &'a [[f64; 4]],
-    columns: usize,
     /// Whether both wheels have identical data.
     single: bool,
     /// Whether noise of the input is the same in all rows.
     alike: bool,
 }
 
-/// State of a pass.
-struct Gathered<const N: usize> {
-    psi: Vec<[f64; N]>,
-    information: Information,
-    log_variance: LogProduct,
-    out: Sums,
-}
-
-impl Run<'_> {
-    fn pass<D: Dynamics<N>, const N: usize>(&self, mut dynamics: D) -> Result<Sums, ModelError> {
-        let recording = self.prepared.recording;
-        let (t, rows, columns) = (recording.t(), &self.piece.rows, self.columns);
-        let (mut mean, mut covariance) = self.start::<N>();
-        dynamics.start(&self.input.acting[rows.start], &mut mean, &mut covariance);
-        let mut gathered = Gathered {
-            psi: vec![[0.0; N]; columns],
-            information: Information::new(columns),
-            log_variance: LogProduct::new(),
-            out: Sums {
-                count: 0.0,
-                square: 0.0,
-                log_variance: 0.0,
-                information: DMatrix::zeros(0, 0),
-                score: DVector::zeros(0),
-                blocks: vec![],
-            },
-        };
+impl Stretch<'_> {
+    /// A pass with one column behind the parameters, the shift of the input.
+    fn pass<D: Dynamics<N>, const N: usize>(
+        &self,
+        dynamics: D,
+        parameters: usize,
+    ) -> Result<Sums, ModelError> {
+        let (t, rows) = (self.prepared.recording.t(), &self.piece.rows);
+        let widths = Some((parameters, 1));
+        let mut run = Run::new(dynamics, self.prepared, &self.variance, self.single, widths);
+        run.start(rows.start, &self.start());
         let seconds = (t[rows.end - 1] - t[rows.start]) / self.piece.blocks as f64;
-        let mut by_parameter = vec![[0.0; 2]; columns - 1];
-        let mut by_ends = vec![None; columns - 1];
         for k in rows.start + 1..rows.end {
-            let sample = self.sample(k, &mut by_parameter, &mut by_ends);
-            let predicted = dynamics.predict(&sample, &mut mean, &mut covariance, true)?;
-            let extra = [self.input.by_shift(k)];
-            dynamics.carry(&predicted, &sample, &extra, &mut gathered.psi);
-            if recording.fresh()[k] {
-                self.measure(k, &mut mean, &mut covariance, &mut gathered);
-            }
-            if t[k] - t[rows.start] >= seconds * (gathered.out.blocks.len() + 1) as f64 {
-                gathered.close();
+            run.row(k, self)?;
+            if t[k] - t[rows.start] >= seconds * (run.blocks() + 1) as f64 {
+                run.close();
             }
         }
-        gathered.close();
-        let mut out = gathered.out;
-        out.log_variance = gathered.log_variance.finish();
-        (out.information, out.score) = gathered.information.finish();
-        Ok(out)
+        run.close();
+        Ok(run.finish().0)
     }
 
     /// The motion around the first row, as uncertain as one measurement.
-    fn start<const N: usize>(&self) -> (Mean<N>, Covariance<N>) {
-        let (motion, k) = (&self.piece.start, self.piece.rows.start);
-        let (mut mean, mut covariance) = (Mean::<N>::zeros(), Covariance::<N>::zeros());
-        for i in 0..2 {
-            mean[i] = motion.alpha[i];
-            mean[2 + i] = if self.prepared.still[k][i] { 0.0 } else { motion.omega[i] };
+    fn start(&self) -> Start {
+        let motion = &self.piece.start;
+        let variance = |c: usize| {
             // a computed speed has no smaller variance than a measured one at this horizon
-            let memory = |c: usize| self.variance[c] - self.prepared.variance[c];
-            let or = |c: usize, computed: f64| {
-                if self.prepared.used[c] { self.variance[c] } else { computed + memory(c) }
-            };
-            covariance[(i, i)] = or(i, EXACT);
-            covariance[(2 + i, 2 + i)] = or(2 + i, motion.omega_variance[i].max(EXACT));
+            let memory = self.variance[c] - self.prepared.variance[c];
+            match c {
+                _ if self.prepared.used[c] => self.variance[c],
+                0 | 1 => EXACT + memory,
+                _ => motion.omega_variance[c - 2].max(EXACT) + memory,
+            }
+        };
+        Start {
+            alpha: motion.alpha,
+            omega: motion.omega,
+            variance: [0, 1, 2, 3].map(variance),
+            input: self.input.acting[self.piece.rows.start],
         }
-        (mean, covariance)
     }
+}
 
-    fn sample<'s>(
-        &self,
-        k: usize,
-        by_parameter: &'s mut [[f64; 2]],
-        by_ends: &'s mut [Option<Ends>],
-    ) -> Sample<'s> {
+impl Drive for Stretch<'_> {
+    fn sample<'s>(&self, k: usize, slopes: Option<&'s mut InputSlopes>) -> Sample<'s> {
         let recording = self.prepared.recording;
         let (t, raw) = (recording.t(), recording.torque());
         let ends = self.input.ends(&self.input.acting, k);
         let middle = |e: &Ends| [0, 1].map(|i| 0.5 * (e[0][i] + e[1][i]));
         let (input, smooth) = (middle(&ends), middle(&self.input.ends(&self.input.smooth, k)));
-        if self.input.acts {
+        let mut by_parameter: &[[f64; 2]] = &[];
+        let mut ends_by_parameter: &[Option<Ends>] = &[];
+        if let Some(slopes) = slopes.filter(|_| self.input.acts) {
             for (j, d) in self.input.by_parameter.iter().enumerate().filter(|(_, d)| !d.is_empty())
             {
                 let ends = self.input.ends(d, k);
-                by_parameter[j] = middle(&ends);
-                by_ends[j] = Some(ends);
+                slopes.mean[j] = middle(&ends);
+                slopes.ends[j] = Some(ends);
             }
+            (by_parameter, ends_by_parameter) = (&slopes.mean, &slopes.ends);
         }
         Sample {
             t: t[k - 1] - t[0],
@@ -302,55 +253,14 @@ impl Run<'_> {
             change: if self.alike { [0.0; 2] } else { [0, 1].map(|i| raw[k][i] - raw[k - 1][i]) },
             smoother: [0, 1].map(|i| smooth[i] - input[i]),
             crossing: if self.alike { [0.0; 4] } else { self.crossing[k] },
-            by_parameter: if self.input.acts { by_parameter } else { &[] },
-            ends_by_parameter: if self.input.acts { by_ends } else { &[] },
+            by_parameter,
+            ends_by_parameter,
             speed_variance: self.prepared.speed_variance,
             still: [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]),
         }
     }
 
-    fn measure<const N: usize>(
-        &self,
-        k: usize,
-        mean: &mut Mean<N>,
-        covariance: &mut Covariance<N>,
-        gathered: &mut Gathered<N>,
-    ) {
-        let recording = self.prepared.recording;
-        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
-        let single = self.single;
-        for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
-            if !self.prepared.used[i] || (single && i % 2 == 1) {
-                continue;
-            }
-            // an axis mapped to both wheels is measured once, by the mean of the wheels
-            let observed = if single { [(i, 0.5), (i + 1, 0.5)] } else { [(i, 1.0), (i, 0.0)] };
-            let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
-            let (e, s) = correct(observed, value, self.variance[i], mean, covariance, psi, row);
-            gathered.count(e, s);
-            if single {
-                // the difference of the wheels, always zero, is a pseudo-measurement without
-                // information
-                let apart = [(i, 1.0), (i + 1, -1.0)];
-                let (psi, row) = (&mut gathered.psi, gathered.information.next_row());
-                correct(apart, 0.0, self.variance[i], mean, covariance, psi, row);
-            }
-        }
-    }
-}
-
-impl<const N: usize> Gathered<N> {
-    fn count(&mut self, e: f64, s: f64) {
-        self.out.count += 1.0;
-        self.out.square += e * (e / s);
-        self.log_variance.add(s);
-        self.information.add(e, s);
-    }
-
-    fn close(&mut self) {
-        let score = self.information.take_score();
-        if score.iter().any(|v| *v != 0.0) {
-            self.out.blocks.push(score);
-        }
+    fn columns(&self, k: usize, _: &Sample, _: &Predicted, extra: &mut [[f64; 2]]) {
+        extra.fill(self.input.by_shift(k));
     }
 }

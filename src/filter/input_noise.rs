@@ -1,10 +1,9 @@
 //! Effect of noise of the recorded input on the score: it enters the innovation and, through the
 //! acceleration, the derivatives with respect to the inertias, so their product has a non-zero mean.
 
-use nalgebra::{DVector, Matrix2};
+use nalgebra::{DVector, Matrix2, SMatrix};
 
-use super::correction::Covariance;
-use super::step::Predicted;
+use super::correction::{Covariance, Mean};
 
 /// Expected score at the true parameters, accumulated during a pass.
 ///
@@ -36,17 +35,16 @@ impl<const N: usize> InputNoise<N> {
         self.cross.iter_mut().for_each(|c| *c = Covariance::<N>::zeros());
     }
 
-    /// Over one prediction with the transition matrix `f`; `slopes` are `∂(mass matrix)/∂θ` of the parameters that have one.
+    /// Over one prediction with the transition matrix `f` and the gain `g` of a torque; `slopes` are
+    /// `∂(mass matrix)/∂θ` of the parameters that have one.
     pub(super) fn carry(
         &mut self,
-        predicted: &Predicted<N>,
-        f: &Covariance<N>,
+        (f, g): (&Covariance<N>, &SMatrix<f64, N, 2>),
         slopes: Vec<(usize, Matrix2<f64>)>,
         step: f64,
         still: [bool; 2],
     ) {
         self.slopes = slopes;
-        let g = &predicted.gain;
         let reach = g.fixed_view::<2, 2>(2, 0) / step;
         for (j, slope) in &self.slopes {
             let cross = &mut self.cross[*j];
@@ -59,11 +57,11 @@ impl<const N: usize> InputNoise<N> {
         }
     }
 
-    /// Over one correction of state `i` with innovation variance `s` and the covariance before it.
-    pub(super) fn correct(&mut self, i: usize, s: f64, covariance: &Covariance<N>) {
+    /// Over one correction of state `i`, whose innovation has variance `s` and covariance `states` with the states.
+    pub(super) fn correct(&mut self, i: usize, s: f64, states: &Mean<N>) {
         let mut keep = Covariance::<N>::identity();
         for k in 0..N {
-            keep[(k, i)] -= covariance[(k, i)] / s;
+            keep[(k, i)] -= states[k] / s;
         }
         for (j, _) in &self.slopes {
             let cross = &mut self.cross[*j];

@@ -3,10 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::pass::{Columns, Innovation, NoColumns, Pass, PassSettings, filter_pass};
+use super::pass::{Columns, NoColumns, Pass, PassSettings, filter_pass};
 use super::prepare::Prepared;
+use super::run::Innovation;
 use super::{FilterError, ProcessNoise};
-use crate::math::{Information, MinimumStatus};
+use crate::effects::ParameterKind;
+use crate::math::{Attempt, DampedSearch, Information, MinimumStatus, Proposal, take_steps};
 use crate::model::{Model, ModelError};
 use crate::simulate::Hold;
 
@@ -53,6 +55,8 @@ const SETTLED: f64 = 1.0;
 const GAIN: f64 = 2e-3;
 /// Information of a parameter in units of its own size below which it is rounding.
 const NOTHING: f64 = 1e-12;
+/// Smallest share of a step that is tried.
+const SHORTEST: f64 = 1e-4;
 /// If no step raises it and the predicted increase is less than this, the maximum is reached: the
 /// score neglects the dependence of the filter's gain on the parameters, so it need not vanish
 /// there.
@@ -221,77 +225,120 @@ impl Likelihood<'_> {
         Ok(Maximum { p, noise, log_likelihood, information, status, iterations, evaluations })
     }
 
-    /// Gauss-Newton steps at fixed noise; moves `p`. Not [`crate::math::minimise`], which ends if the cost does not
-    /// decrease: the score neglects the dependence of the gain on the parameters, so the predicted decrease is not
-    /// reached.
+    /// Gauss-Newton steps at fixed noise; moves `p`.
     fn climb(
         &self,
         model: &Model,
         p: &mut Vec<f64>,
         noise: &ProcessNoise,
-        steps: usize,
+        limit: usize,
     ) -> Result<Climb, FilterError> {
-        let (mut evaluations, mut gain) = (0, 0.0);
-        for iteration in 0..steps {
-            let passes = self.passes(model, p, noise, true, &[])?;
-            evaluations += 1;
-            let value: f64 = passes.iter().map(|pass| pass.log_likelihood).sum();
-            if !value.is_finite() {
-                return Err(FilterError::NotFinite);
-            }
-            let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
-            let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
-            let free = identified(model, p, &h);
-            let step = newton_step(&h, &g, &free);
-            let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
-            if promised < GAIN {
-                return Ok(Climb {
-                    status: MinimumStatus::Converged,
-                    steps: iteration,
-                    evaluations,
-                    gain,
-                });
-            }
-            let mut share = 1.0;
-            let moved = loop {
-                let mut trial = p.clone();
-                for (s, &j) in step.iter().zip(&free) {
-                    let range = model.parameters()[j].spec.range;
-                    // a shape outside its range has no meaning; linear parameters may cross zero,
-                    // so that estimates of an absent effect scatter around it
-                    let limited = matches!(
-                        model.parameters()[j].spec.kind,
-                        crate::effects::ParameterKind::Shape
-                    );
-                    trial[j] += share * s;
-                    if limited {
-                        trial[j] = trial[j].clamp(range.0, range.1);
-                    }
-                }
-                evaluations += 1;
-                match self.value(model, &trial, noise) {
-                    Some(at) if at > value - 1e-9 * value.abs().max(1.0) => {
-                        *p = trial;
-                        break at - value;
-                    }
-                    _ => share *= 0.5,
-                }
-                if share < 1e-4 {
-                    let status = if promised < SLACK {
-                        MinimumStatus::Converged
-                    } else {
-                        MinimumStatus::Stalled
-                    };
-                    return Ok(Climb { status, steps: iteration, evaluations, gain });
-                }
-            };
-            gain += moved;
-            if moved < GAIN {
-                let (status, steps) = (MinimumStatus::Converged, iteration + 1);
-                return Ok(Climb { status, steps, evaluations, gain });
+        let (likelihood, slope) = (self, Slope::default());
+        let (evaluations, gain, error) = (0, 0.0, None);
+        let mut ascent =
+            Ascent { likelihood, model, noise, limit, p, slope, evaluations, gain, error };
+        let (status, steps) = take_steps(&mut ascent);
+        let Ascent { evaluations, gain, error, .. } = ascent;
+        error.map_or(Ok(Climb { status, steps, evaluations, gain }), Err)
+    }
+}
+
+/// The likelihood at the present parameters, and the step from there.
+#[derive(Default)]
+struct Slope {
+    value: f64,
+    free: Vec<usize>,
+    step: Vec<f64>,
+    /// Increase that the step promises [nats].
+    promised: f64,
+}
+
+/// Gauss-Newton steps at fixed noise, whole or halved. The score neglects the dependence of the gain on the parameters,
+/// so the predicted increase need not be reached.
+struct Ascent<'a> {
+    likelihood: &'a Likelihood<'a>,
+    model: &'a Model,
+    noise: &'a ProcessNoise,
+    /// Most steps.
+    limit: usize,
+    p: &'a mut Vec<f64>,
+    slope: Slope,
+    evaluations: usize,
+    /// What the steps gained [nats].
+    gain: f64,
+    error: Option<FilterError>,
+}
+
+impl Ascent<'_> {
+    fn slope(&mut self) -> Result<Slope, FilterError> {
+        let passes = self.likelihood.passes(self.model, self.p, self.noise, true, &[])?;
+        self.evaluations += 1;
+        let value: f64 = passes.iter().map(|pass| pass.log_likelihood).sum();
+        if !value.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        let h: DMatrix<f64> = passes.iter().map(|pass| &pass.information).sum();
+        let g: DVector<f64> = passes.iter().map(|pass| &pass.score).sum();
+        let free = identified(self.model, self.p, &h);
+        let step = newton_step(&h, &g, &free);
+        let promised = 0.5 * step.iter().zip(&free).map(|(s, &j)| s * g[j]).sum::<f64>();
+        Ok(Slope { value, free, step, promised })
+    }
+
+    /// Parameters after a share of the step. A shape outside its range has no meaning; linear parameters may cross zero,
+    /// so that estimates of an absent effect scatter around it.
+    fn moved(&self, share: f64) -> Vec<f64> {
+        let mut trial = self.p.clone();
+        for (s, &j) in self.slope.step.iter().zip(&self.slope.free) {
+            let spec = &self.model.parameters()[j].spec;
+            trial[j] += share * s;
+            if spec.kind == ParameterKind::Shape {
+                trial[j] = trial[j].clamp(spec.range.0, spec.range.1);
             }
         }
-        Ok(Climb { status: MinimumStatus::MaxIterations, steps, evaluations, gain })
+        trial
+    }
+}
+
+impl DampedSearch for Ascent<'_> {
+    /// A share of the step.
+    type Step = f64;
+
+    fn propose(&mut self, accepted: usize, rejected: usize) -> Proposal<f64> {
+        if rejected == 0 {
+            if accepted == self.limit {
+                return Proposal::End(MinimumStatus::MaxIterations);
+            }
+            match self.slope() {
+                Ok(slope) => self.slope = slope,
+                Err(error) => {
+                    self.error = Some(error);
+                    return Proposal::End(MinimumStatus::Stalled);
+                }
+            }
+            if self.slope.promised < GAIN {
+                return Proposal::End(MinimumStatus::Converged);
+            }
+        }
+        let share = 0.5_f64.powi(rejected as i32);
+        if share < SHORTEST {
+            let reached = self.slope.promised < SLACK;
+            let end = if reached { MinimumStatus::Converged } else { MinimumStatus::Stalled };
+            return Proposal::End(end);
+        }
+        Proposal::Step(share)
+    }
+
+    fn attempt(&mut self, share: f64) -> Attempt {
+        let (trial, value) = (self.moved(share), self.slope.value);
+        self.evaluations += 1;
+        let there = self.likelihood.value(self.model, &trial, self.noise);
+        let Some(there) = there.filter(|there| *there > value - 1e-9 * value.abs().max(1.0)) else {
+            return Attempt::Rejected;
+        };
+        *self.p = trial;
+        self.gain += there - value;
+        if there - value < GAIN { Attempt::Last } else { Attempt::Accepted }
     }
 }
 

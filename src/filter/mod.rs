@@ -20,17 +20,22 @@ mod pass;
 mod prepare;
 mod push;
 mod rest_noise;
+mod rigid;
+mod run;
+mod sample;
 mod step;
 mod totals;
 
-pub use accumulate::Information;
+pub use accumulate::ScoreSums;
 pub use friction::clarity;
-pub(crate) use horizon::{HorizonFilter, Reading, Sums, pieces};
+pub(crate) use horizon::{HorizonFilter, Reading, pieces};
 pub use jumps::noise_of_jumps;
 pub use likelihood::{Likelihood, Maximum};
-pub use pass::{Columns, Innovation, Instant, NoColumns, Pass, PassSettings, filter_pass};
+pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};
 pub use rest_noise::rest_noise;
+pub use run::Innovation;
+pub(crate) use run::Sums;
 
 use crate::model::ModelError;
 

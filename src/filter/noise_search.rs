@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::pass::{Innovation, NoColumns, PassSettings, filter_pass};
+use super::pass::{NoColumns, PassSettings, filter_pass};
+use super::run::Innovation;
 use super::{Likelihood, ProcessNoise};
-use crate::math::Information;
+use crate::math::{Attempt, DampedSearch, Information, MinimumStatus, Proposal, take_steps};
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -98,6 +99,12 @@ struct Slopes {
     information: Matrix3<f64>,
 }
 
+impl Slopes {
+    fn none() -> Self {
+        Self { gradient: Vector3::zeros(), information: Matrix3::zeros() }
+    }
+}
+
 impl<'a> NoiseSearch<'a> {
     fn new(likelihood: &'a Likelihood<'a>, model: &'a Model, p: &'a [f64], later: f64) -> Self {
         let rms = likelihood.torque_rms();
@@ -131,33 +138,11 @@ impl<'a> NoiseSearch<'a> {
     }
 
     fn climb(&self, start: Vector3<f64>) -> (Vector3<f64>, usize) {
-        let (mut x, mut count, mut damping) = (start, 1, 0.0);
-        let Some(mut here) = self.value(&x) else { return (x, count) };
-        for _ in 0..STEPS {
-            let Some(slopes) = self.slopes(&x) else { break };
-            count += 1 + self.dimensions;
-            let mut gain = 0.0;
-            // a rejected step is repeated with more damping
-            while gain == 0.0 && damping < DAMPED {
-                let (trial, promised) = self.next(&x, &slopes, damping);
-                if promised < GAIN {
-                    break;
-                }
-                count += 1;
-                match self.value(&trial) {
-                    Some(there) if there > here => {
-                        gain = there - here;
-                        (x, here) = (trial, there);
-                        damping *= 0.1;
-                    }
-                    _ => damping = 10.0 * f64::max(damping, 0.1),
-                }
-            }
-            if gain < GAIN {
-                break;
-            }
-        }
-        (x, count)
+        let Some(here) = self.value(&start) else { return (start, 1) };
+        let (x, slopes, damping, count) = (start, Slopes::none(), 0.0, 1);
+        let mut climb = Climb { search: self, x, here, slopes, damping, count };
+        take_steps(&mut climb);
+        (climb.x, climb.count)
     }
 
     /// Restarts the search if one of white noise and slow torque is negligible at `x` and equal levels
@@ -247,7 +232,7 @@ impl<'a> NoiseSearch<'a> {
             (0..=self.dimensions).map(beside).collect()
         };
         let all = all?;
-        let mut out = Slopes { gradient: Vector3::zeros(), information: Matrix3::zeros() };
+        let mut out = Slopes::none();
         for (k, innovation) in all[0].iter().enumerate() {
             let (e, s) = (innovation.value, innovation.variance);
             let (mut by_e, mut by_s) = (Vector3::zeros(), Vector3::zeros());
@@ -267,6 +252,57 @@ impl<'a> NoiseSearch<'a> {
         let prepared = &self.likelihood.prepared[r];
         let pass = filter_pass(self.model, self.p, prepared, &settings, &NoColumns).ok()?;
         pass.log_likelihood.is_finite().then_some(pass.innovations)
+    }
+}
+
+/// Fisher scoring under way.
+struct Climb<'a> {
+    search: &'a NoiseSearch<'a>,
+    x: Vector3<f64>,
+    /// Log-likelihood there.
+    here: f64,
+    slopes: Slopes,
+    damping: f64,
+    /// Passes.
+    count: usize,
+}
+
+impl DampedSearch for Climb<'_> {
+    /// The next logarithms.
+    type Step = Vector3<f64>;
+
+    fn propose(&mut self, accepted: usize, rejected: usize) -> Proposal<Self::Step> {
+        if rejected == 0 {
+            if accepted == STEPS {
+                return Proposal::End(MinimumStatus::MaxIterations);
+            }
+            let Some(slopes) = self.search.slopes(&self.x) else {
+                return Proposal::End(MinimumStatus::Stalled);
+            };
+            self.slopes = slopes;
+            self.count += 1 + self.search.dimensions;
+        }
+        if self.damping >= DAMPED {
+            return Proposal::End(MinimumStatus::Stalled);
+        }
+        match self.search.next(&self.x, &self.slopes, self.damping) {
+            (_, promised) if promised < GAIN => Proposal::End(MinimumStatus::Converged),
+            (trial, _) => Proposal::Step(trial),
+        }
+    }
+
+    /// A rejected step is repeated with more damping.
+    fn attempt(&mut self, trial: Self::Step) -> Attempt {
+        self.count += 1;
+        let there = self.search.value(&trial).filter(|there| *there > self.here);
+        let Some(there) = there else {
+            self.damping = 10.0 * self.damping.max(0.1);
+            return Attempt::Rejected;
+        };
+        let gain = there - self.here;
+        (self.x, self.here) = (trial, there);
+        self.damping *= 0.1;
+        if gain < GAIN { Attempt::Last } else { Attempt::Accepted }
     }
 }
 

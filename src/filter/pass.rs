@@ -1,23 +1,20 @@
 //! One run of the filter over a recording.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
-use super::accumulate::Information;
-use super::correction::{Covariance, Mean, correct};
 use super::coupled::Coupled;
-use super::dynamics::{Dynamics, Rigid};
+use super::dynamics::Dynamics;
 use super::friction::between;
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
-use super::step::{Predicted, Sample, lag_of_angle};
+use super::rigid::Rigid;
+use super::run::{Drive, EXACT, Innovation, InputSlopes, Run, Start};
+use super::sample::{Predicted, Sample, lag_of_angle};
 use crate::effects::Motion;
-use crate::math::LogProduct;
 use crate::model::{Model, ModelError};
-
-/// Length of the blocks whose scores are kept apart, for standard errors that are valid with a
-/// wrong noise model \[s\].
-const BLOCK: f64 = 5.0;
 
 /// Standard deviations of its noise between which a second difference of the input is attributed to
 /// a jump.
@@ -84,36 +81,8 @@ pub struct Pass {
     pub score: DVector<f64>,
     /// Mean contribution of noise of the recorded input to the score, if requested.
     pub score_of_input_noise: DVector<f64>,
-    /// Scores of blocks of 5 s.
-    pub blocks: Vec<DVector<f64>>,
     /// In the order of the measurements, where kept.
     pub innovations: Vec<Innovation>,
-}
-
-/// A measured value less its prediction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Innovation {
-    /// Row of the recording.
-    pub row: usize,
-    /// Channel: alpha1, alpha2, omega1, omega2.
-    pub channel: usize,
-    /// Innovation [rad, rad/s].
-    pub value: f64,
-    /// Its predicted variance [rad², rad²/s²].
-    pub variance: f64,
-}
-
-impl Pass {
-    fn new(columns: usize) -> Self {
-        Self {
-            log_likelihood: 0.0,
-            information: DMatrix::zeros(columns, columns),
-            score: DVector::zeros(columns),
-            score_of_input_noise: DVector::zeros(0),
-            blocks: vec![],
-            innovations: vec![],
-        }
-    }
 }
 
 /// Runs the filter over a recording, piece by piece.
@@ -127,142 +96,101 @@ pub fn filter_pass(
     settings: &PassSettings,
     columns: &dyn Columns,
 ) -> Result<Pass, ModelError> {
+    let recording = prepared.recording;
+    let (input, by_parameter) = model.input_derivatives_of(recording, recording.torque(), p);
+    let acts = by_parameter.iter().any(|d| !d.is_empty());
+    let over = Recorded { model, prepared, settings, columns, input, by_parameter, acts };
     let noise = settings.noise;
     if model.is_coupled() {
-        return run(Coupled::new(model, p, noise), model, p, prepared, settings, columns);
+        over.pass(Coupled::step(model, p, noise))
+    } else {
+        over.pass(Rigid::step(model, p, noise))
     }
-    run(Rigid::new(model, p, noise), model, p, prepared, settings, columns)
 }
 
-fn run<D: Dynamics<N>, const N: usize>(
-    dynamics: D,
-    model: &Model,
-    p: &[f64],
-    prepared: &Prepared,
-    settings: &PassSettings,
-    columns: &dyn Columns,
-) -> Result<Pass, ModelError> {
-    let recording = prepared.recording;
-    let single = recording.is_single_axis();
-    let (input, by_parameter) = model.input_derivatives_of(recording, recording.torque(), p);
-    let width = if settings.derivatives { p.len() + columns.count() } else { 0 };
-    let mut run = Run {
-        dynamics,
-        model,
-        prepared,
-        settings,
-        columns,
-        input: &input,
-        by_parameter: &by_parameter,
-        acts: by_parameter.iter().any(|d| !d.is_empty()),
-        psi: vec![[0.0; N]; width],
-        extra: vec![[0.0; 2]; if width > 0 { columns.count() } else { 0 }],
-        input_row: vec![[0.0; 2]; p.len()],
-        information: Information::new(width),
-        block_end: recording.t()[0] + BLOCK,
-        log_variance: LogProduct::new(),
-        single,
-        // a single axis is a motor with an encoder of its own, whose noise is small
-        input_noise: (settings.derivatives && settings.input_noise && !single).then(|| {
-            // if the recorded roughness of the input is real, the process noise is small
-            let sigma = settings.noise.sigma_m.min(prepared.torque_noise);
-            InputNoise::new(sigma * sigma, p.len())
-        }),
-        out: Pass::new(width),
-    };
-    for piece in recording.pieces() {
-        run.piece(piece.clone())?;
-    }
-    run.out.log_likelihood -= 0.5 * run.log_variance.finish();
-    run.out.blocks.push(run.information.take_score());
-    (run.out.information, run.out.score) = run.information.finish();
-    if let Some(input_noise) = run.input_noise {
-        run.out.score_of_input_noise = input_noise.finish();
-    }
-    Ok(run.out)
-}
-
-struct Run<'a, D, const N: usize> {
-    dynamics: D,
+/// A recording with its acting input.
+struct Recorded<'a> {
     model: &'a Model,
     prepared: &'a Prepared<'a>,
     settings: &'a PassSettings,
     columns: &'a dyn Columns,
-    input: &'a [[f64; 2]],
-    by_parameter: &'a [Vec<[f64; 2]>],
+    input: Vec<[f64; 2]>,
+    by_parameter: Vec<Vec<[f64; 2]>>,
+    /// Whether a parameter acts through the input.
     acts: bool,
-    psi: Vec<[f64; N]>,
-    extra: Vec<[f64; 2]>,
-    input_row: Vec<[f64; 2]>,
-    information: Information,
-    block_end: f64,
-    input_noise: Option<InputNoise<N>>,
-    /// Sum of ln 2 pi S over the measurements.
-    log_variance: LogProduct,
-    single: bool,
-    out: Pass,
 }
 
-impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
-    fn piece(&mut self, piece: std::ops::Range<usize>) -> Result<(), ModelError> {
-        let (mut mean, mut covariance) = self.start(piece.start);
-        self.psi.iter_mut().for_each(|column| *column = [0.0; N]);
-        if let Some(input_noise) = &mut self.input_noise {
-            input_noise.restart();
+/// A piece of it between gaps.
+struct Piece<'a> {
+    of: &'a Recorded<'a>,
+    rows: Range<usize>,
+}
+
+impl Recorded<'_> {
+    fn pass<D: Dynamics<N>, const N: usize>(&self, dynamics: D) -> Result<Pass, ModelError> {
+        let (prepared, settings) = (self.prepared, self.settings);
+        let single = prepared.recording.is_single_axis();
+        let widths = (self.by_parameter.len(), self.columns.count());
+        let derivatives = settings.derivatives.then_some(widths);
+        let mut run = Run::new(dynamics, prepared, &prepared.variance, single, derivatives);
+        run.innovations = settings.keep_innovations.then(Vec::new);
+        // a single axis is a motor with an encoder of its own, whose noise is small
+        if settings.derivatives && settings.input_noise && !single {
+            // if the recorded roughness of the input is real, the process noise is small
+            let sigma = settings.noise.sigma_m.min(prepared.torque_noise);
+            run.input_noise = Some(InputNoise::new(sigma * sigma, widths.0));
         }
-        for k in piece.start + 1..piece.end {
-            let sample = self.sample(k, &piece);
-            // borrow of the input row ends before psi moves
-            let sample = Sample { by_parameter: &[], ..sample };
-            let derivatives = self.settings.derivatives;
-            let predicted =
-                self.dynamics.predict(&sample, &mut mean, &mut covariance, derivatives)?;
-            if self.settings.derivatives {
-                self.carry(k, &sample, &predicted);
+        for rows in prepared.recording.pieces() {
+            let piece = Piece { of: self, rows: rows.clone() };
+            run.start(rows.start, &self.start(rows.start));
+            for k in rows.start + 1..rows.end {
+                run.row(k, &piece)?;
             }
-            if let Some(input_noise) = &mut self.input_noise {
-                let slopes = self.dynamics.mass_slopes(&predicted);
-                let transition = self.dynamics.transition();
-                input_noise.carry(&predicted, &transition, slopes, sample.step, sample.still);
-            }
-            self.measure(k, &mut mean, &mut covariance);
         }
-        Ok(())
+        let (sums, input_noise, innovations) = run.finish();
+        let constant = sums.count * (2.0 * std::f64::consts::PI).ln();
+        Ok(Pass {
+            log_likelihood: -0.5 * (sums.square + sums.log_variance + constant),
+            information: sums.information,
+            score: sums.score,
+            score_of_input_noise: input_noise.map_or(DVector::zeros(0), InputNoise::finish),
+            innovations: innovations.unwrap_or_default(),
+        })
     }
 
-    fn start(&mut self, k: usize) -> (Mean<N>, Covariance<N>) {
-        let (a, w) = (self.prepared.recording.alpha()[k], self.prepared.recording.omega()[k]);
-        let still = self.prepared.still[k];
-        let mut mean = Mean::<N>::zeros();
-        let mut covariance = Covariance::<N>::zeros();
-        let step = self.prepared.recording.step();
-        for i in 0..2 {
-            mean[i] = a[i];
-            mean[2 + i] = if still[i] { 0.0 } else { w[i] };
-            let [alpha, omega] = [self.prepared.variance[i], self.prepared.variance[2 + i]];
-            // the initial variance of a channel computed from the other follows from that one
-            covariance[(i, i)] = if self.prepared.used[i] { alpha } else { 1e-12 };
-            covariance[(2 + i, 2 + i)] =
-                if self.prepared.used[2 + i] { omega } else { 2.0 * alpha / (step * step) };
-            covariance[(4 + i, 4 + i)] = self.settings.noise.sigma_d.powi(2);
+    /// The measured row `k`. The variance of a channel that is computed from the other follows from that one.
+    fn start(&self, k: usize) -> Start {
+        let (recording, used) = (self.prepared.recording, &self.prepared.used);
+        let step = recording.step();
+        let measured = &self.prepared.variance;
+        let variance = |i: usize| match i {
+            _ if used[i] => measured[i],
+            0 | 1 => EXACT,
+            _ => 2.0 * measured[i - 2] / (step * step),
+        };
+        Start {
+            alpha: recording.alpha()[k],
+            omega: recording.omega()[k],
+            variance: [0, 1, 2, 3].map(variance),
+            input: self.input[k],
         }
-        self.dynamics.start(&self.input[k], &mut mean, &mut covariance);
-        (mean, covariance)
     }
+}
 
-    /// The step from sample k - 1 to k of a piece.
+impl Drive for Piece<'_> {
+    /// The step from sample k - 1 to k.
     ///
     /// ```text
     /// mean input = (1 - c) M0 + c M1 - c (1 - c)/3 h^2 M'',   h^2 M'' = (M_-1 - M0 - M1 + M2)/2
     /// ```
     /// exact to second order for an input held over each of m parts of a row, c = (m - 1)/(2 m); a
     /// second difference beyond noise is a jump, for which no curvature is assumed.
-    fn sample(&self, k: usize, piece: &std::ops::Range<usize>) -> Sample<'static> {
-        let recording = self.prepared.recording;
-        let t = recording.t();
-        let m = self.input;
-        let ProcessNoise { later: c, sigma_m, .. } = self.settings.noise;
-        let inside = k >= piece.start + 2 && k + 1 < piece.end;
+    #[inline]
+    fn sample<'s>(&self, k: usize, slopes: Option<&'s mut InputSlopes>) -> Sample<'s> {
+        let Recorded { prepared, input: m, .. } = self.of;
+        let (t, raw) = (prepared.recording.t(), prepared.recording.torque());
+        let ProcessNoise { later: c, sigma_m, .. } = self.of.settings.noise;
+        let inside = k >= self.rows.start + 2 && k + 1 < self.rows.end;
         let mut input = [0.0; 2];
         for i in 0..2 {
             input[i] = (1.0 - c) * m[k - 1][i] + c * m[k][i];
@@ -272,8 +200,14 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
                 input[i] -= curved * c * (1.0 - c) / 3.0 * bend;
             }
         }
-        let raw = recording.torque();
-        let still = [0, 1].map(|i| self.prepared.still[k - 1][i] && self.prepared.still[k][i]);
+        let mut by_parameter: &[[f64; 2]] = &[];
+        if let Some(slopes) = slopes.filter(|_| self.of.acts) {
+            let acting = slopes.mean.iter_mut().zip(&self.of.by_parameter);
+            for (slope, d) in acting.filter(|(_, d)| !d.is_empty()) {
+                *slope = [0, 1].map(|i| (1.0 - c) * d[k - 1][i] + c * d[k][i]);
+            }
+            by_parameter = &slopes.mean;
+        }
         Sample {
             t: t[k - 1] - t[0],
             step: t[k] - t[k - 1],
@@ -283,101 +217,30 @@ impl<D: Dynamics<N>, const N: usize> Run<'_, D, N> {
             smoother: [0.0; 2],
             crossing: [0.0; 4],
             change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
-            by_parameter: &[],
+            by_parameter,
             ends_by_parameter: &[],
-            speed_variance: self.prepared.speed_variance,
-            still,
+            speed_variance: prepared.speed_variance,
+            still: [0, 1].map(|i| prepared.still[k - 1][i] && prepared.still[k][i]),
         }
     }
 
-    fn carry(&mut self, k: usize, sample: &Sample, predicted: &Predicted<N>) {
-        if !self.extra.is_empty() {
-            let at = Instant {
-                sample: k - 1,
-                motion: Motion {
-                    t: sample.t + 0.5 * sample.step,
-                    alpha: predicted.alpha,
-                    omega: predicted.omega,
-                    variance: predicted.variance,
-                    robot: self.model.robot(),
-                },
-                acceleration: predicted.acceleration,
-                sign: predicted.sign,
-                spread: predicted.spread,
-                speed_variance: self.prepared.speed_variance,
-                input: sample.input,
-            };
-            self.columns.torque(&at, &mut self.extra);
-        }
-        if self.acts {
-            for (row, d) in self.input_row.iter_mut().zip(self.by_parameter) {
-                if d.is_empty() {
-                    continue;
-                }
-                let c = self.settings.noise.later;
-                *row = [0, 1].map(|i| (1.0 - c) * d[k - 1][i] + c * d[k][i]);
-            }
-        }
-        let by_parameter: &[[f64; 2]] = if self.acts { &self.input_row } else { &[] };
-        let sample = Sample { by_parameter, ..*sample };
-        self.dynamics.carry(predicted, &sample, &self.extra, &mut self.psi);
-    }
-
-    fn measure(&mut self, k: usize, mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
-        let recording = self.prepared.recording;
-        if !recording.fresh()[k] {
+    #[inline]
+    fn columns(&self, k: usize, sample: &Sample, predicted: &Predicted, extra: &mut [[f64; 2]]) {
+        if extra.is_empty() {
             return;
         }
-        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
-        if self.single {
-            self.measure_axis(k, mean, covariance);
-        }
-        for (i, value) in [a[0], a[1], w[0], w[1]].into_iter().enumerate() {
-            if !self.prepared.used[i] || self.single {
-                continue;
-            }
-            let variance = self.prepared.variance[i];
-            if let Some(input_noise) = &mut self.input_noise {
-                input_noise.correct(i, covariance[(i, i)] + variance, covariance);
-            }
-            let observed = [(i, 1.0), (i, 0.0)];
-            let (psi, row) = (&mut self.psi, self.information.next_row());
-            let (e, s) = correct(observed, value, variance, mean, covariance, psi, row);
-            self.count(k, i, e, s);
-        }
-        if self.settings.derivatives && recording.t()[k] > self.block_end {
-            self.out.blocks.push(self.information.take_score());
-            self.block_end += BLOCK;
-        }
-    }
-
-    /// A single axis mapped to both wheels is measured once, by the mean of the wheels. Their difference,
-    /// which is always zero, keeps the wheel states together and contains no information.
-    fn measure_axis(&mut self, k: usize, mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
-        let recording = self.prepared.recording;
-        let (a, w) = (recording.alpha()[k], recording.omega()[k]);
-        for (i, value) in [(0, a[0]), (2, w[0])] {
-            if self.prepared.used[i] {
-                let variance = self.prepared.variance[i];
-                let observed = [(i, 0.5), (i + 1, 0.5)];
-                let (psi, row) = (&mut self.psi, self.information.next_row());
-                let (e, s) = correct(observed, value, variance, mean, covariance, psi, row);
-                self.count(k, i, e, s);
-                let (psi, row) = (&mut self.psi, self.information.next_row());
-                let apart = [(i, 1.0), (i + 1, -1.0)];
-                correct(apart, 0.0, variance, mean, covariance, psi, row);
-            }
-        }
-    }
-
-    fn count(&mut self, row: usize, i: usize, e: f64, s: f64) {
-        self.out.log_likelihood -= 0.5 * (e * (e / s));
-        self.log_variance.add(2.0 * std::f64::consts::PI * s);
-        if self.settings.keep_innovations {
-            self.out.innovations.push(Innovation { row, channel: i, value: e, variance: s });
-        }
-        if self.settings.derivatives {
-            self.information.add(e, s);
-        }
+        let Predicted { acceleration, sign, alpha, omega, variance, spread } = *predicted;
+        let t = sample.t + 0.5 * sample.step;
+        let robot = self.of.model.robot();
+        let at = Instant {
+            sample: k - 1,
+            motion: Motion { t, alpha, omega, variance, robot },
+            acceleration,
+            sign,
+            spread,
+            speed_variance: sample.speed_variance,
+            input: sample.input,
+        };
+        self.of.columns.torque(&at, extra);
     }
 }

@@ -1,8 +1,7 @@
 //! The transition matrix of the rigid robot in blocks of two by two, so that products skip the zero blocks.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use super::ProcessNoise;
 use super::correction::Covariance;
 
 /// Transition of the states (alpha, omega, d), two of each, over a step.
@@ -23,44 +22,13 @@ pub(super) struct Push {
     pub(super) by_torque: Matrix2<f64>,
     /// Remaining part of a slow torque.
     pub(super) decay: f64,
-    /// The decay as it was computed last: length of the step over the time constant, and its exponential.
-    known: (f64, f64),
 }
-
-/// Steps over the time constant that differ by less have decays in proportion to 1 - difference, to rounding.
-const ALIKE: f64 = 1e-8;
 
 impl Push {
     /// No step.
     pub(super) fn none() -> Self {
         let none = Matrix2::zeros();
-        Self {
-            h: 0.0,
-            by_angle: None,
-            by_speed: none,
-            by_torque: none,
-            decay: 1.0,
-            known: (0.0, 1.0),
-        }
-    }
-
-    /// Sets the length of the step to `h` \[s\]. Steps of even sampling differ by rounding, and their
-    /// decays with them.
-    #[inline]
-    pub(super) fn last(&mut self, h: f64, noise: &ProcessNoise) {
-        self.h = h;
-        if noise.sigma_d <= 0.0 {
-            self.decay = 0.0;
-            return;
-        }
-        let exponent = h / noise.tau_d;
-        let more = exponent - self.known.0;
-        if more.abs() < ALIKE {
-            self.decay = self.known.1 * (1.0 - more);
-        } else {
-            self.decay = (-exponent).exp();
-            self.known = (exponent, self.decay);
-        }
+        Self { h: 0.0, by_angle: None, by_speed: none, by_torque: none, decay: 1.0 }
     }
 
     /// The transition matrix.
@@ -81,6 +49,15 @@ impl Push {
         f
     }
 
+    /// Effect of a torque that lasts over the step.
+    #[inline]
+    pub(super) fn gain(&self) -> SMatrix<f64, 6, 2> {
+        let mut gain = SMatrix::<f64, 6, 2>::zeros();
+        gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(self.by_torque * (0.5 * self.h)));
+        gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&self.by_torque);
+        gain
+    }
+
     /// States after the step under a further torque [N m].
     #[inline]
     pub(super) fn moved(&self, x: &[f64; 6], torque: [f64; 2]) -> [f64; 6] {
@@ -96,8 +73,8 @@ impl Push {
         [alpha[0], alpha[1], omega[0], omega[1], slow[0], slow[1]]
     }
 
-    /// `F P F' + G Q G'`, Q the variance of a torque that lasts over the step, G its effect on the states.
-    pub(super) fn spread(&self, p: &Covariance<6>, torque: &Matrix2<f64>) -> Covariance<6> {
+    /// `F P F'`.
+    pub(super) fn spread(&self, p: &Covariance<6>) -> Covariance<6> {
         let block = |i: usize, k: usize| p.fixed_view::<2, 2>(2 * i, 2 * k).into_owned();
         let (aa, aw, ad) = (block(0, 0), block(0, 1), block(0, 2));
         let (ww, wd, dd) = (block(1, 1), block(1, 2), block(2, 2));
@@ -118,7 +95,7 @@ impl Push {
             aw + ww * h + by_w * half,
             ad + wd * h + by_d * half,
         ];
-        // times F', with what noise of the torque adds to the change of the speeds
+        // times F'
         let along = |row: &[Matrix2<f64>; 3]| {
             let change = row[1] * s.transpose() + row[2] * t.transpose();
             match &self.by_angle {
@@ -126,13 +103,24 @@ impl Push {
                 None => change,
             }
         };
-        let noise = t * torque * t.transpose();
-        let (of_speeds, of_angles) = (along(&speeds) + noise, along(&angles) + noise * half);
+        let (of_speeds, of_angles) = (along(&speeds), along(&angles));
         let ww = speeds[1] + of_speeds;
         let aw = angles[1] + of_angles;
         let aa = angles[0] + (angles[1] + of_angles * 0.5) * h;
         let decay = self.decay;
         assembled([aa, aw, ww], [angles[2] * decay, speeds[2] * decay, dd * (decay * decay)])
+    }
+
+    /// Adds `G Q G'`, Q the variance `torque` of a torque that lasts over the step, G its effect on the states.
+    #[inline]
+    pub(super) fn add_noise(&self, torque: &Matrix2<f64>, p: &mut Covariance<6>) {
+        let noise = symmetric(self.by_torque * torque * self.by_torque.transpose());
+        let half = 0.5 * self.h;
+        for (i, k, by) in [(0, 0, half * half), (0, 2, half), (2, 0, half), (2, 2, 1.0)] {
+            for (r, c) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                p[(i + r, k + c)] += by * noise[(r, c)];
+            }
+        }
     }
 }
 
@@ -147,8 +135,6 @@ fn assembled([aa, aw, ww]: [Matrix2<f64>; 3], slow: [Matrix2<f64>; 3]) -> Covari
             }
         }
     };
-    // asymmetry by rounding is removed
-    let symmetric = |block: Matrix2<f64>| (block + block.transpose()) * 0.5;
     set(0, 0, &symmetric(aa));
     set(0, 1, &aw);
     set(1, 1, &symmetric(ww));
@@ -159,9 +145,13 @@ fn assembled([aa, aw, ww]: [Matrix2<f64>; 3], slow: [Matrix2<f64>; 3]) -> Covari
     out
 }
 
+/// Removes asymmetry by rounding.
+fn symmetric(block: Matrix2<f64>) -> Matrix2<f64> {
+    (block + block.transpose()) * 0.5
+}
+
 #[cfg(test)]
 mod tests {
-    use nalgebra::SMatrix;
 
     use super::*;
 
@@ -175,13 +165,12 @@ mod tests {
         let by_torque = Matrix2::new(1.1, 0.2, 0.2, 0.9);
         for by_angle in [None, Some(Matrix2::new(0.1, -0.4, 0.3, 0.2))] {
             let decay = 0.8;
-            let push = Push { h: 0.1, by_angle, by_speed, by_torque, decay, ..Push::none() };
-            let f = push.transition();
-            let mut gain = SMatrix::<f64, 6, 2>::zeros();
-            gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(by_torque * 0.05));
-            gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&by_torque);
+            let push = Push { h: 0.1, by_angle, by_speed, by_torque, decay };
+            let (f, gain) = (push.transition(), push.gain());
             let expected = f * p * f.transpose() + gain * torque * gain.transpose();
-            assert!((push.spread(&p, &torque) - expected).amax() < 1e-13);
+            let mut spread = push.spread(&p);
+            push.add_noise(&torque, &mut spread);
+            assert!((spread - expected).amax() < 1e-13);
             let x = [0.3, -0.2, 1.1, 0.7, 0.02, -0.5];
             let moved = push.moved(&x, [0.4, -0.6]);
             let expected = f * nalgebra::SVector::from(x) + gain * Vector2::new(0.4, -0.6);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::math::{median_high, nonnegative};
+use crate::math::{median_high, nonnegative, runs};
 use crate::recording::{Recording, SlowNoise};
 
 /// Lags of the structure function, and correlation times that are tried, at equal ratios.
@@ -57,9 +57,9 @@ pub fn rest_noise(recordings: &[&Recording]) -> [SlowNoise; 2] {
 /// Runs of rows in which both wheels are at rest.
 fn rests(recording: &Recording) -> Vec<Range<usize>> {
     let still = &recording.sensing().still;
-    let rows: Vec<usize> = (0..still.len()).filter(|&k| still[k] == [true; 2]).collect();
-    let runs = rows.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1);
-    runs.filter(|run| run.len() >= SHORTEST).collect()
+    let mut rests = runs(still.len(), |k| still[k] == [true; 2]);
+    rests.retain(|rest| rest.len() >= SHORTEST);
+    rests
 }
 
 /// Values at equal ratios from `low` to `high`.

@@ -1,215 +1,263 @@
-//! One prediction and one correction of the filter.
+//! The prediction over a step: linearly implicit, with statistically linearised friction, for a rigid robot and for one
+//! with a body behind its wheels.
 
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix};
 
 use super::ProcessNoise;
-use super::correction::{Covariance, Mean};
-use super::friction::{Friction, finish, in_directions, torque_noise};
-use super::push::Push;
-use crate::effects::Motion;
-use crate::model::{Linearisation, Model, ModelError, inverse_mass};
-use crate::simulate::Ends;
+use super::correction::{Covariance, Mean, freeze};
+use super::dynamics::Dynamics;
+use super::friction::{Friction, in_directions, torque_noise};
+use super::sample::{Predicted, Sample};
+use crate::model::ModelError;
 
-/// The input over one sample.
-pub(super) struct Sample<'a> {
-    /// Time at the start, since the start of the recording \[s\].
-    pub(super) t: f64,
-    /// Length \[s\].
-    pub(super) step: f64,
-    /// Acting input that the step uses [N m].
-    pub(super) input: [f64; 2],
-    /// The acting input at both ends of the sample [N m].
-    pub(super) ends: Ends,
-    /// Correction of the mean input for its effect on the angle (first moment over the step), see
-    /// [`lag_of_angle`] [N m].
-    pub(super) tilt: [f64; 2],
-    /// Change of the recorded input over the sample [N m].
-    pub(super) change: [f64; 2],
-    /// Smoothed less recorded input, mean over the row [N m]; derivatives by inertias are taken with
-    /// the smoothed one.
-    pub(super) smoother: [f64; 2],
-    /// Variance of a friction along each direction that may reverse within the sample [N^2 m^2],
-    /// for steps that do not add it themselves.
-    pub(super) crossing: [f64; 4],
-    /// Derivative of `input` by each parameter; empty where no effect acts on the input.
-    pub(super) by_parameter: &'a [[f64; 2]],
-    /// Derivative of `ends` by each parameter that acts through them.
-    pub(super) ends_by_parameter: &'a [Option<Ends>],
-    /// Variance of the speed of the body due to sensor noise alone, for any process noise
-    /// [rad^2/s^2].
-    pub(super) speed_variance: f64,
-    /// Wheels at rest during the sample.
-    pub(super) still: [bool; 2],
+/// What dry friction brakes: its levels [N m], and the inverse mass (m11, m12, m22) of the wheels.
+pub(super) struct Braked {
+    pub(super) level: [f64; 4],
+    pub(super) mobility: [f64; 3],
 }
 
-/// Result of a prediction, for the columns that are propagated with it.
-pub(super) struct Predicted<const N: usize> {
-    /// Linear map of a torque on the wheels to the state after the step.
-    pub(super) gain: SMatrix<f64, N, 2>,
-    /// Mean acceleration over the step [rad/s^2].
-    pub(super) acceleration: [f64; 2],
-    /// Friction signs, statistically linearised.
-    pub(super) sign: [f64; 4],
-    /// Where the step was linearised.
-    pub(super) alpha: [f64; 2],
-    /// Where the step was linearised.
-    pub(super) omega: [f64; 2],
-    /// Spread there.
-    pub(super) variance: [f64; 4],
-    /// Variance of w1 - w2 and of w1 + w2.
-    pub(super) spread: [f64; 2],
-}
+/// A robot that a [`Step`] moves: torques and masses at the start of a part of the step, and the linearly implicit
+/// solution over that part.
+pub(super) trait Body<const N: usize> {
+    /// Fills the states beyond the first six at the start of a piece; `input` acts there [N m].
+    fn start(&mut self, _input: &[f64; 2], _: &mut Mean<N>, _: &mut Covariance<N>) {}
 
-/// What moves a state: the model with the values of its parameters, and its process noise.
-#[derive(Clone, Copy)]
-pub(super) struct Law<'a> {
-    pub(super) model: &'a Model,
-    pub(super) p: &'a [f64],
-    pub(super) noise: ProcessNoise,
-}
+    /// Evaluates torques and masses at the state.
+    fn evaluate(
+        &mut self,
+        sample: &Sample,
+        at: &Predicted,
+        mean: &Mean<N>,
+    ) -> Result<Braked, ModelError>;
 
-/// Difference between the change of the angle by the mean of an input and that by the input, from
-/// its first moment.
-///
-/// ```text
-/// ∫ (h - s) M ds = h² (mean/2 - tilt),   tilt = c (1 - c)/3 (M1 - M0)
-/// ```
-/// with the weight c of the later row in the mean: exact for a linear input (c = 1/2, M0/3 + M1/6),
-/// a held one (c = 0), and one held over each of m parts of the row, c = (m - 1)/(2 m). Derived
-/// here.
-pub(super) fn lag_of_angle(later: f64, start: &[f64; 2], end: &[f64; 2]) -> [f64; 2] {
-    [0, 1].map(|i| later * (1.0 - later) / 3.0 * (end[i] - start[i]))
-}
+    /// Begins a step of `h` \[s\] at the state that was evaluated; returns into how many equal parts it is cut.
+    fn begin(&mut self, _h: f64) -> usize {
+        1
+    }
 
-/// Corrects the angles after a step with the mean input for the first moment of the input.
-pub(super) fn tilt_angles<const N: usize>(
-    mean: &mut Mean<N>,
-    gain: &SMatrix<f64, N, 2>,
-    sample: &Sample,
-) {
-    for i in (0..2).filter(|&i| !sample.still[i]) {
-        // the gain of the angle is h²/2 times the inverse inertia
-        mean[i] -= 2.0 * (gain[(i, 0)] * sample.tilt[0] + gain[(i, 1)] * sample.tilt[1]);
+    /// Solves over a part of length `h` \[s\] over which the slow torques decay by `decay`: the mean acceleration of
+    /// the wheels [rad/s^2].
+    fn solve(
+        &mut self,
+        friction: &Friction,
+        sample: &Sample,
+        mean: &Mean<N>,
+        h: f64,
+        decay: f64,
+    ) -> Result<[f64; 2], ModelError>;
+
+    /// Computes the derivatives of the part by the parameters.
+    fn differentiate(&mut self, friction: &Friction, acceleration: &[f64; 2], mean: &Mean<N>);
+
+    /// Moves mean and covariance over the part that was solved, without noise.
+    fn advance(
+        &mut self,
+        sample: &Sample,
+        acceleration: &[f64; 2],
+        mean: &mut Mean<N>,
+        covariance: &mut Covariance<N>,
+    );
+
+    /// Adds a variance of the torque on the wheels that lasts over the step [N^2 m^2].
+    fn add_noise(&self, torque: &Matrix2<f64>, covariance: &mut Covariance<N>);
+
+    /// Transition matrix of the step.
+    fn transition(&self) -> Covariance<N>;
+
+    /// Effect of a torque on the wheels that lasts over the step.
+    fn gain(&self) -> SMatrix<f64, N, 2>;
+
+    /// A column of derivatives after the step under a further torque on the wheels [N m]; of parameter `j`, if it is
+    /// that of one.
+    fn carried(&self, column: &[f64; N], j: Option<usize>, torque: [f64; 2]) -> [f64; N];
+
+    /// Number of parameters.
+    fn parameters(&self) -> usize;
+
+    /// `∂(mass matrix)/∂θ` of the parameters that have one; none where it is not computed.
+    fn mass_slopes(&mut self, _: &Predicted) -> Vec<(usize, Matrix2<f64>)> {
+        vec![]
     }
 }
 
-/// Moves mean and covariance over one sample.
+/// Decay of the slow torques over a step.
+#[derive(Clone, Copy, Debug)]
+struct Decay {
+    /// The step over the time constant, as it was last, and its exponential.
+    known: (f64, f64),
+}
+
+/// Steps over the time constant that differ by less have decays in proportion to 1 - difference, to rounding.
+const ALIKE: f64 = 1e-8;
+
+impl Decay {
+    /// The remaining part of a slow torque after `h` \[s\]. Steps of even sampling differ by rounding.
+    #[inline]
+    fn over(&mut self, h: f64, noise: &ProcessNoise) -> f64 {
+        if noise.sigma_d <= 0.0 {
+            return 0.0;
+        }
+        let exponent = h / noise.tau_d;
+        let more = exponent - self.known.0;
+        if more.abs() < ALIKE {
+            return self.known.1 * (1.0 - more);
+        }
+        self.known = (exponent, (-exponent).exp());
+        self.known.1
+    }
+}
+
+/// The prediction of a robot.
 ///
 /// Every sgn is replaced by its mean over the filter's own spread, erf(v / sqrt(2 V)), and the
 /// variance about that mean becomes process noise; if a wheel may pass through rest within the
 /// step, the square of the friction level is added to the process noise, which reduces the weight
 /// of the step. The step is implicit in the friction (its slope is stiff) and of second order
 /// elsewhere.
-#[inline]
-pub(super) fn predict(
-    law: &Law,
-    sample: &Sample,
-    mean: &mut Mean<6>,
-    covariance: &mut Covariance<6>,
-    work: &mut Linearisation,
-    push: &mut Push,
-) -> Result<Predicted<6>, ModelError> {
-    let Law { model, p, noise } = law;
-    let h = sample.step;
-    let omega = [mean[2], mean[3]];
-    let x = Motion {
-        t: sample.t + 0.5 * h,
-        alpha: [mean[0] + 0.5 * h * omega[0], mean[1] + 0.5 * h * omega[1]],
-        omega,
-        variance: [covariance[(0, 0)], covariance[(1, 1)], covariance[(2, 2)], covariance[(3, 3)]],
-        robot: model.robot(),
-    };
-    model.evaluate(&x, p, work);
-    let terms = work.terms;
-    let mobility = mobility(&terms.mass, sample.still)?;
-    let variances = in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]]);
-    let inverse = [mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]];
-    let friction =
-        Friction::over(h, &terms.level, &omega, &variances, inverse, sample.speed_variance);
-    model.differentiate_by_state(&[0.0; 2], &friction.sign, work);
-    let resisting = terms.total_torque(&[0.0; 2], &friction.sign);
-    let block = |k: usize| {
-        let [first, second] = &work.by_state;
-        Matrix2::new(first[k], first[k + 1], second[k], second[k + 1])
-    };
-    let (by_angle, smooth) = (block(0), block(2));
-    let stiff = friction.stiffness();
-    let implicit = Matrix2::identity() + mobility * (smooth * (0.5 * h) + stiff * h);
-    let Some(phi) = implicit.try_inverse() else {
-        let [m11, m12, m22] = terms.mass;
-        return Err(ModelError::MassNotPositive { m11, m12, m22 });
-    };
-    let force = SVector::<f64, 2>::new(
-        sample.input[0] + mean[4] - resisting[0],
-        sample.input[1] + mean[5] - resisting[1],
-    );
-    let reach = phi * mobility;
-    let acceleration = reach * force;
-    let acceleration = [acceleration[0], acceleration[1]];
-    let rest = friction.with_reversals(&omega, &acceleration, &variances, h);
-    // F = I - h reach (C + K) with reach = Phi A^-1, C the smooth slope and K that of friction
-    push.by_torque = reach * h;
-    push.by_speed = push.by_torque * -(smooth + by_angle * (0.5 * h) + stiff);
-    push.by_angle = (by_angle != Matrix2::zeros()).then(|| push.by_torque * -by_angle);
-    push.last(h, noise);
-    let mut gain = SMatrix::<f64, 6, 2>::zeros();
-    gain.fixed_view_mut::<2, 2>(0, 0).copy_from(&(push.by_torque * (0.5 * h)));
-    gain.fixed_view_mut::<2, 2>(2, 0).copy_from(&push.by_torque);
-    let after = omega_after(&omega, &acceleration, h, sample.still);
-    for i in 0..2 {
-        mean[i] += 0.5 * h * (omega[i] + after[i]);
-        mean[2 + i] = after[i];
-        mean[4 + i] *= push.decay;
-    }
-    tilt_angles(mean, &gain, sample);
-    *covariance = push.spread(covariance, &torque_noise(noise.sigma_m, &sample.change, &rest));
-    finish(noise, push.decay, sample.still, mean, covariance);
-    Ok(Predicted {
-        gain,
-        acceleration,
-        sign: friction.sign,
-        alpha: x.alpha,
-        omega,
-        variance: x.variance,
-        spread: [variances[2], variances[3]],
-    })
+pub(super) struct Step<B> {
+    body: B,
+    noise: ProcessNoise,
+    decay: Decay,
 }
 
-/// Moves the derivatives over the step: `psi <- F psi + G f`, `f` the derivative of the torque
-/// balance by each parameter (column).
-pub(super) fn move_parameters(
-    push: &Push,
-    work: &Linearisation,
-    sample: &Sample,
-    extra: &[[f64; 2]],
-    psi: &mut [[f64; 6]],
-) {
-    let (by_parameter, by_column) = psi.split_at_mut(work.by_parameter.len());
-    let carry = |column: &mut [f64; 6], torque: [f64; 2]| {
-        let old = *column;
-        *column = push.moved(&old, torque);
-        for i in (0..2).filter(|&i| sample.still[i]) {
-            (column[i], column[2 + i]) = (old[i], 0.0);
+impl<B> Step<B> {
+    pub(super) fn new(body: B, noise: ProcessNoise) -> Self {
+        Self { body, noise, decay: Decay { known: (0.0, 1.0) } }
+    }
+}
+
+impl<B: Body<N>, const N: usize> Dynamics<N> for Step<B> {
+    fn start(&mut self, input: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
+        for i in 4..6 {
+            covariance[(i, i)] = self.noise.sigma_d.powi(2);
         }
-    };
-    for (j, (column, needed)) in by_parameter.iter_mut().zip(&work.by_parameter).enumerate() {
-        let input = sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]);
-        carry(column, [input[0] - needed[0], input[1] - needed[1]]);
+        self.body.start(input, mean, covariance);
     }
-    by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, *torque));
+
+    #[inline]
+    fn predict(
+        &mut self,
+        sample: &Sample,
+        mean: &mut Mean<N>,
+        covariance: &mut Covariance<N>,
+        derivatives: bool,
+    ) -> Result<Predicted, ModelError> {
+        let mut at = start_of(sample, mean, covariance);
+        let mut braked = self.body.evaluate(sample, &at, mean)?;
+        let parts = self.body.begin(sample.step);
+        let h = sample.step / parts as f64;
+        let (mut decay, mut reversals) = (1.0, [0.0_f64; 4]);
+        for part in 0..parts {
+            if part > 0 {
+                braked = self.body.evaluate(sample, &at, mean)?;
+            }
+            let (omega, variances) = ([mean[2], mean[3]], speed_variances(covariance));
+            let Braked { level, mobility } = &braked;
+            let open = sample.speed_variance;
+            let friction = Friction::over(h, level, &omega, &variances, *mobility, open);
+            let left = self.decay.over(h, &self.noise);
+            let acceleration = self.body.solve(&friction, sample, mean, h, left)?;
+            if derivatives {
+                self.body.differentiate(&friction, &acceleration, mean);
+            }
+            let rest = friction.with_reversals(&omega, &acceleration, &variances, h);
+            self.body.advance(sample, &acceleration, mean, covariance);
+            decay *= left;
+            for j in 0..4 {
+                reversals[j] = reversals[j].max(rest[j]);
+            }
+            for i in 0..2 {
+                at.acceleration[i] += acceleration[i] / parts as f64;
+            }
+            if part == 0 {
+                at.sign = friction.sign;
+            }
+        }
+        tilt_angles(sample, &self.body.gain(), mean);
+        let torque = torque_noise(self.noise.sigma_m, &sample.change, &reversals);
+        self.body.add_noise(&torque, covariance);
+        finish(&self.noise, decay, sample.still, mean, covariance);
+        Ok(at)
+    }
+
+    fn transition(&self) -> Covariance<N> {
+        self.body.transition()
+    }
+
+    fn gain(&self) -> SMatrix<f64, N, 2> {
+        self.body.gain()
+    }
+
+    #[inline]
+    fn carry(&self, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; N]]) {
+        let (by_parameter, by_column) = psi.split_at_mut(self.body.parameters());
+        let carry = |column: &mut [f64; N], j: Option<usize>, torque: [f64; 2]| {
+            let old = *column;
+            *column = self.body.carried(&old, j, torque);
+            for i in (0..2).filter(|&i| sample.still[i]) {
+                (column[i], column[2 + i]) = (old[i], 0.0);
+            }
+        };
+        for (j, column) in by_parameter.iter_mut().enumerate() {
+            carry(column, Some(j), sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]));
+        }
+        by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, None, *torque));
+    }
+
+    fn mass_slopes(&mut self, predicted: &Predicted) -> Vec<(usize, Matrix2<f64>)> {
+        self.body.mass_slopes(predicted)
+    }
 }
 
-/// The inverse mass matrix; if one wheel is at rest, only the other one moves.
-fn mobility(mass: &[f64; 3], still: [bool; 2]) -> Result<Matrix2<f64>, ModelError> {
-    let [i11, i12, i22] = inverse_mass(mass)?;
-    Ok(match still {
-        [false, false] => Matrix2::new(i11, i12, i12, i22),
-        [false, true] => Matrix2::new(1.0 / mass[0], 0.0, 0.0, 0.0),
-        [true, false] => Matrix2::new(0.0, 0.0, 0.0, 1.0 / mass[2]),
-        [true, true] => Matrix2::zeros(),
-    })
+/// The state at the start of a step, its angles in the middle.
+#[inline]
+fn start_of<const N: usize>(
+    sample: &Sample,
+    mean: &Mean<N>,
+    covariance: &Covariance<N>,
+) -> Predicted {
+    let omega = [mean[2], mean[3]];
+    let [.., turning, forward] = speed_variances(covariance);
+    Predicted {
+        acceleration: [0.0; 2],
+        sign: [0.0; 4],
+        alpha: [0, 1].map(|i| mean[i] + 0.5 * sample.step * omega[i]),
+        omega,
+        variance: [0, 1, 2, 3].map(|i| covariance[(i, i)]),
+        spread: [turning, forward],
+    }
 }
 
-fn omega_after(omega: &[f64; 2], acceleration: &[f64; 2], h: f64, still: [bool; 2]) -> [f64; 2] {
-    [0, 1].map(|i| if still[i] { 0.0 } else { omega[i] + h * acceleration[i] })
+/// Variances of the wheels' speeds along the directions [rad^2/s^2].
+#[inline]
+fn speed_variances<const N: usize>(covariance: &Covariance<N>) -> [f64; 4] {
+    in_directions([covariance[(2, 2)], covariance[(2, 3)], covariance[(3, 3)]])
+}
+
+/// Corrects the angles after a step with the mean input for the first moment of the input; `gain` is the effect of a
+/// torque on the wheels.
+#[inline]
+fn tilt_angles<const N: usize>(sample: &Sample, gain: &SMatrix<f64, N, 2>, mean: &mut Mean<N>) {
+    for i in (0..2).filter(|&i| !sample.still[i]) {
+        // the gain of the angle is h²/2 times the inverse inertia
+        mean[i] -= 2.0 * (gain[(i, 0)] * sample.tilt[0] + gain[(i, 1)] * sample.tilt[1]);
+    }
+}
+
+/// Completes a step over which the slow torques decay by `decay`: adds their process noise and keeps wheels at rest.
+#[inline]
+fn finish<const N: usize>(
+    noise: &ProcessNoise,
+    decay: f64,
+    still: [bool; 2],
+    mean: &mut Mean<N>,
+    covariance: &mut Covariance<N>,
+) {
+    let slow = noise.sigma_d.powi(2) * (1.0 - decay.powi(2));
+    for i in 0..2 {
+        covariance[(4 + i, 4 + i)] += slow;
+        if still[i] {
+            freeze(covariance, mean, i);
+        }
+    }
 }

@@ -4,6 +4,8 @@
 //! The wheels always turn forward and the input is held between rows, so that nothing of the model is missing or
 //! linearised but the centrifugal torque.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -51,23 +53,25 @@ pub(super) fn known(recording: &Recording) -> Prepared<'_> {
 }
 
 /// The noise of a held input.
-fn process(sigma_m: f64) -> ProcessNoise {
+pub(super) fn process(sigma_m: f64) -> ProcessNoise {
     ProcessNoise { sigma_m, sigma_d: 0.0, tau_d: 1.0, later: 0.0 }
 }
 
-fn pass(model: &Model, p: &[f64], prepared: &Prepared, noise: ProcessNoise) -> Pass {
+pub(super) fn pass(model: &Model, p: &[f64], prepared: &Prepared, noise: ProcessNoise) -> Pass {
     let (keep_innovations, input_noise) = (true, true);
     let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
     filter_pass(model, p, prepared, &settings, &NoColumns).unwrap()
 }
 
-/// Information and score of the innovations, their derivatives by central differences.
-fn by_differences(
+/// Score and information of a pass less those by central differences of its innovations, in standard deviations of the
+/// score.
+pub(super) fn off_differences(
     model: &Model,
     p: &[f64],
-    here: &Pass,
-    innovations: impl Fn(&Model, &[f64]) -> Vec<Innovation>,
-) -> (DMatrix<f64>, DVector<f64>) {
+    prepared: &Prepared,
+    noise: ProcessNoise,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let here = pass(model, p, prepared, noise);
     let slopes: Vec<Vec<f64>> = (0..p.len())
         .map(|j| {
             // a hundredth of a standard error: the second derivative is left out to 1e-4 of the first
@@ -75,7 +79,7 @@ fn by_differences(
             let moved = |by: f64| {
                 let mut q = p.to_vec();
                 q[j] += by;
-                innovations(model, &q)
+                pass(model, &q, prepared, noise).innovations
             };
             let both = moved(step).into_iter().zip(moved(-step));
             both.map(|(up, down)| (down.value - up.value) / (2.0 * step)).collect()
@@ -84,10 +88,12 @@ fn by_differences(
     let sum = |of: &dyn Fn(usize, &Innovation) -> f64| -> f64 {
         here.innovations.iter().enumerate().map(|(k, i)| of(k, i) / i.variance).sum()
     };
-    (
-        DMatrix::from_fn(p.len(), p.len(), |i, j| sum(&|k, _| slopes[i][k] * slopes[j][k])),
-        DVector::from_fn(p.len(), |j, _| sum(&|k, i| slopes[j][k] * i.value)),
-    )
+    let n = p.len();
+    let h = DMatrix::from_fn(n, n, |i, j| sum(&|k, _| slopes[i][k] * slopes[j][k]));
+    let g = DVector::from_fn(n, |j, _| sum(&|k, i| slopes[j][k] * i.value));
+    let unit = h.diagonal().map(f64::sqrt);
+    let of_score = (&here.score - &g).component_div(&unit);
+    (of_score, (&here.information - &h).component_div(&(&unit * unit.transpose())))
 }
 
 #[test]
@@ -96,15 +102,9 @@ fn score_and_information_of_the_rigid_filter_equal_finite_differences() {
     let p = model.initial();
     let recording = curves(&model, &p, 1, NOISE);
     let prepared = known(&recording);
-    let noise = process(NOISE.torque);
-    let here = pass(&model, &p, &prepared, noise);
-    let innovations = |model: &Model, p: &[f64]| pass(model, p, &prepared, noise).innovations;
-    let (h, g) = by_differences(&model, &p, &here, innovations);
+    let (of_score, of_information) = off_differences(&model, &p, &prepared, process(NOISE.torque));
     // inertias and the centrifugal torque move the gain, which the derivatives leave out, and bend the motion within a
     // row: percents of a standard deviation; friction of wheels that turn does neither
-    let unit = h.diagonal().map(f64::sqrt);
-    let of_score = (&here.score - &g).component_div(&unit);
-    let of_information = (&here.information - &h).component_div(&(&unit * unit.transpose()));
     assert!(of_score.amax() < 0.04 && of_information.amax() < 0.02, "{of_score} {of_information}");
     assert!(of_score.rows(A4, 2).amax() < 2e-4, "{of_score}");
     assert!(of_information.view((A4, A4), (2, 2)).amax() < 2e-5, "{of_information}");
@@ -123,40 +123,51 @@ impl Columns for Viscous {
     }
 }
 
-/// What one simulated recording shows at the true base parameters.
-struct Shown {
+/// What one simulated recording shows at the true parameters.
+pub(super) struct Shown {
     /// Mean of e²/S.
-    square: f64,
+    pub(super) square: f64,
     /// Of the product of neighbouring normalised innovations of each channel.
-    whiteness: f64,
-    /// Of the score of a1 to a5.
-    parameters: f64,
+    pub(super) whiteness: f64,
+    /// Of the score of the parameters `of`.
+    pub(super) parameters: f64,
     /// Of the score of viscous friction, the parameters estimated too.
-    missing: f64,
+    pub(super) missing: f64,
 }
 
-/// p-values of a recording of the robot whose wheels resist with `viscous` N m s/rad more than its model.
-fn shown(viscous: f64, seed: u64) -> Shown {
-    let model = Model::base(Robot::amigobot());
-    let truth = Model::with_effects(Robot::amigobot(), &["viscous_friction"]).unwrap();
-    let mut p = model.initial();
-    p.push(viscous);
-    let recording = curves(&truth, &p, seed, NOISE);
-    let p = &p[..COUNT];
+/// p-values of recordings of the robot of `effects` at `p`, whose wheels resist with `viscous` N m s/rad more than the
+/// model; those of the score for the parameters `of`.
+pub(super) fn shown(
+    effects: &[&str],
+    p: &[f64],
+    of: Range<usize>,
+    viscous: f64,
+    sets: u64,
+) -> Vec<Shown> {
+    let model = Model::with_effects(Robot::amigobot(), effects).unwrap();
+    let truth = model.add("viscous_friction").unwrap();
+    let true_p = [p, &[viscous]].concat();
+    let one = |seed: u64| shown_by(&curves(&truth, &true_p, seed, NOISE), &model, p, of.clone());
+    (0..sets).into_par_iter().map(one).collect()
+}
+
+fn shown_by(recording: &Recording, model: &Model, p: &[f64], of: Range<usize>) -> Shown {
     let noise = process(NOISE.torque);
     let (keep_innovations, input_noise) = (true, true);
     let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
-    let pass = filter_pass(&model, p, &known(&recording), &settings, &Viscous).unwrap();
+    let pass = filter_pass(model, p, &known(recording), &settings, &Viscous).unwrap();
     let value = |statistic: f64, degrees: usize| chi2_log_survival(statistic, degrees as f64).exp();
-    let base: Vec<usize> = (0..COUNT).collect();
+    let own: Vec<usize> = (0..p.len()).collect();
     let mut score = pass.score.clone();
     // errors in the variables, which every user of the score takes out
     for (s, bias) in score.iter_mut().zip(&pass.score_of_input_noise) {
         *s -= bias;
     }
-    let own = pass.information.view((0, 0), (COUNT, COUNT)).into_owned();
-    let parameters = Information::new(&own).statistic(&score.rows(0, COUNT).into_owned());
-    let (information, left) = eliminate(&pass.information, &score, &base, &[COUNT, COUNT + 1]);
+    let (first, count) = (of.start, of.len());
+    let information = pass.information.view((first, first), (count, count)).into_owned();
+    let parameters = Information::new(&information).statistic(&score.rows(first, count).into());
+    let columns = [p.len(), p.len() + 1];
+    let (information, left) = eliminate(&pass.information, &score, &own, &columns);
     let missing = Information::new(&information).statistic(&left);
     let (mut whiteness, mut count, mut squares) = (0.0, 0.0, 0.0);
     for channel in 0..4 {
@@ -171,13 +182,13 @@ fn shown(viscous: f64, seed: u64) -> Shown {
     Shown {
         square: squares / count,
         whiteness: value(whiteness, 4),
-        parameters: value(parameters, COUNT),
+        parameters: value(parameters, of.len()),
         missing: value(missing, 2),
     }
 }
 
 /// Largest distance of the distribution of p-values from the uniform one (Kolmogorov and Smirnov).
-fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
+pub(super) fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
     let mut p: Vec<f64> = all.iter().map(of).collect();
     p.sort_by(f64::total_cmp);
     let n = p.len() as f64;
@@ -189,10 +200,8 @@ fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
 #[test]
 fn innovations_are_white_and_p_values_uniform_where_nothing_is_missing() {
     const SETS: u64 = 300;
-    let sets = |viscous: f64| -> Vec<Shown> {
-        (0..SETS).into_par_iter().map(|seed| shown(viscous, seed)).collect()
-    };
-    let right = sets(0.0);
+    let p = Model::base(Robot::amigobot()).initial();
+    let right = shown(&[], &p, 0..COUNT, 0.0, SETS);
     let mean = right.iter().map(|s| s.square).sum::<f64>() / SETS as f64;
     // 300 sets of 2000 values scatter by sqrt(2/6e5) = 0.0018; it is 0.992, since the filter allows for an input that
     // moves between rows wherever two rows differ by 2.4 standard deviations, as noise alone does in 8 % of them
@@ -203,6 +212,6 @@ fn innovations_are_white_and_p_values_uniform_where_nothing_is_missing() {
     assert!(distance(&right, |s| s.parameters) < limit);
     assert!(distance(&right, |s| s.missing) < limit);
     // the test of the test: 2 mN m s/rad, 4 % of the friction at 5 rad/s
-    let wrong = sets(0.002);
+    let wrong = shown(&[], &p, 0..COUNT, 0.002, SETS);
     assert!(distance(&wrong, |s| s.missing) > 3.0 * limit);
 }

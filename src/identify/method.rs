@@ -82,6 +82,21 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
         !self.fits_emulator()
     }
 
+    /// Place in the order in which the fit of a method is preferred for detailed figures, the first with zero.
+    fn rank(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether it runs if an experiment names no method.
+    fn is_default(&self) -> bool {
+        false
+    }
+
+    /// Whether its variances are those of efficient estimates under a correct model: a proxy of the Cramér-Rao bound.
+    fn is_efficient(&self) -> bool {
+        false
+    }
+
     /// Whether it fits the rules of the state emulator, eq. (19), in place of the parameters of the
     /// model; its gain is then an option.
     fn fits_emulator(&self) -> bool {

@@ -39,7 +39,7 @@ pub(crate) use one_size::start_without_friction;
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};
-pub use unexcited::identify;
+pub use unexcited::{Excited, identify};
 
 use crate::catalogue;
 

@@ -2,6 +2,7 @@
 
 use super::start::start;
 use super::{Fit, Note, Task, Unknown};
+use crate::math::Moments;
 use crate::model::Model;
 use crate::model::base::{A4, A5};
 use crate::recording::Recording;
@@ -28,10 +29,8 @@ pub(super) fn sizes(recordings: &[Recording]) -> [Option<f64>; 2] {
             moving.map(|(w, m)| m[i] * w[i].signum()).collect::<Vec<_>>()
         };
         let values: Vec<f64> = recordings.iter().flat_map(along).collect();
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
-        (mean > 0.0 && square.sqrt() < ONE * mean).then_some(mean)
+        let Moments { mean, variance, .. } = Moments::of(values.iter().copied());
+        (mean > 0.0 && variance.sqrt() < ONE * mean).then_some(mean)
     })
 }
 

@@ -70,6 +70,14 @@ impl Identifier for OutputError {
         false
     }
 
+    fn rank(&self) -> Option<usize> {
+        Some(2)
+    }
+
+    fn is_default(&self) -> bool {
+        true
+    }
+
     fn schema(&self) -> schemars::Schema {
         options_schema::<Self>()
     }

@@ -114,6 +114,18 @@ impl Identifier for PredictionError {
         }
     }
 
+    fn rank(&self) -> Option<usize> {
+        Some(0)
+    }
+
+    fn is_default(&self) -> bool {
+        true
+    }
+
+    fn is_efficient(&self) -> bool {
+        true
+    }
+
     fn schema(&self) -> schemars::Schema {
         options_schema::<Self>()
     }

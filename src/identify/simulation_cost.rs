@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::Task;
 use super::screening::lowest;
 use crate::effects::ParameterKind;
-use crate::filter::{Information, Prepared, prepare};
+use crate::filter::{Prepared, ScoreSums, prepare};
 use crate::math::descent::Quadratic;
 use crate::model::Model;
 use crate::robot::State;
@@ -192,7 +192,7 @@ impl<'a> Problem<'a> {
         for (n, (r, piece)) in self.pieces.iter().enumerate() {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
             let stride = (p.len() + 4).next_multiple_of(LANES);
-            let (mut sums, mut blocks) = (Information::new(p.len() + 4), Vec::new());
+            let (mut sums, mut blocks) = (ScoreSums::new(p.len() + 4), Vec::new());
             follow(self.model(), &p, &input, self.start(x, n), &mut |k, state, derivatives| {
                 let residual = self.residual(*r, &weight, piece.start + k, state);
                 while blocks.len() < ((input.t[k] - input.t[0]) / BLOCK) as usize {
@@ -200,7 +200,7 @@ impl<'a> Problem<'a> {
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     cost += 0.5 * residual[i] * residual[i];
-                    sums.add_row(&derivatives[i * stride..], weight[i], residual[i]);
+                    sums.add(derivatives[i * stride..].iter().copied(), weight[i], residual[i]);
                 }
             })
             .ok()?;

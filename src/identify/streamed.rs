@@ -24,6 +24,7 @@ use super::inverse_dynamics::{Regression, block_length};
 use super::regressor::input_along;
 use super::stretch::{Signals, Source, Stretch, Treatment};
 use super::{IdentifyError, Task};
+use crate::math::cumulative_trapezoid;
 use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
 
 /// Time after which the response of the filter, applied twice, has decayed to 1e-9 [s Hz]: the
@@ -144,13 +145,14 @@ impl<'a, 'b> Reader<'a, 'b> {
 
     /// Angles by the trapezoid rule, on from the block before.
     fn integrated(&mut self, t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let mut alpha = Vec::with_capacity(t.len());
-        for (&t, &w) in t.iter().zip(omega) {
-            let (before, slower, from) = self.last.unwrap_or((t, w, [0.0; 2]));
-            let to = [0, 1].map(|i| from[i] + 0.5 * (t - before) * (w[i] + slower[i]));
-            self.last = Some((t, w, to));
-            alpha.push(to);
-        }
+        let Some(last) = t.len().checked_sub(1) else { return vec![] };
+        let (before, slower, from) = self.last.unwrap_or((t[0], omega[0], [0.0; 2]));
+        let t = [&[before], t].concat();
+        let omega = [&[slower], omega].concat();
+        let change = [0, 1].map(|i| cumulative_trapezoid(&t, |k| omega[k][i]));
+        let alpha: Vec<[f64; 2]> =
+            (1..t.len()).map(|k| [0, 1].map(|i| from[i] + change[i][k])).collect();
+        self.last = Some((t[last + 1], omega[last + 1], alpha[last]));
         alpha
     }
 

@@ -75,6 +75,14 @@ impl Identifier for TorqueRegression {
         false
     }
 
+    fn rank(&self) -> Option<usize> {
+        Some(3)
+    }
+
+    fn is_default(&self) -> bool {
+        true
+    }
+
     fn schema(&self) -> schemars::Schema {
         options_schema::<Self>()
     }

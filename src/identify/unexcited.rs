@@ -1,6 +1,8 @@
 //! Base parameters that the movement of the recordings does not excite; they are fixed in the same
 //! way for every method.
 
+use std::cell::OnceCell;
+
 use super::open_loop::{OpenLoop, clearly_smaller};
 use super::start::start;
 use super::torque_regression::TorqueRegression;
@@ -14,7 +16,7 @@ use crate::recording::{Lacking, Recording, lacking};
 /// (judgement).
 const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Fits `method` to a task with the base parameters fixed that the movement does not excite.
+/// A task for several methods, with the base parameters fixed that the movement does not excite.
 ///
 /// ```text
 /// straight runs only:  a1 + a2 is estimated; a2 and a3 are fixed
@@ -25,15 +27,49 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// hardly any travel) they are therefore fixed, unless a regression with free values simulates held-out pieces
 /// better, by more than one paired standard error, than with half or twice the inertia in question. Fixed values have
 /// the ratio to the estimated combination that they have in the construction data.
+pub struct Excited<'a> {
+    task: Task<'a>,
+    /// Found with the first method that fits the model.
+    unexcited: OnceCell<Option<Unexcited>>,
+}
+
+impl<'a> Excited<'a> {
+    /// The parameters are found with the first method.
+    #[must_use]
+    pub fn new(task: Task<'a>) -> Self {
+        Self { task, unexcited: OnceCell::new() }
+    }
+
+    /// The task with all parameters free.
+    #[must_use]
+    pub fn task(&self) -> &Task<'a> {
+        &self.task
+    }
+
+    /// Fits a method.
+    ///
+    /// # Errors
+    /// As [`Identifier::identify`].
+    pub fn identify(&self, method: &dyn Identifier) -> Result<Fit, IdentifyError> {
+        let task = &self.task;
+        if method.fits_emulator() {
+            return method.identify(task);
+        }
+        let Some(unexcited) = self.unexcited.get_or_init(|| Unexcited::of(task)) else {
+            return method.identify(task);
+        };
+        let Unexcited { model, sign, places } = unexcited;
+        let fit = method.identify(&Task { model, ..*task })?;
+        Ok(with_combination(fit, model, *sign, &places[1..]))
+    }
+}
+
+/// Fits one method to a task with the base parameters fixed that the movement does not excite, see [`Excited`].
 ///
 /// # Errors
 /// As [`Identifier::identify`].
 pub fn identify(method: &dyn Identifier, task: &Task) -> Result<Fit, IdentifyError> {
-    let unexcited = if method.fits_emulator() { None } else { Unexcited::of(task) };
-    let Some(unexcited) = unexcited else { return method.identify(task) };
-    let fit = method.identify(&Task { model: &unexcited.model, ..*task })?;
-    let Unexcited { model, sign, places } = &unexcited;
-    Ok(with_combination(fit, model, *sign, &places[1..]))
+    Excited::new(*task).identify(method)
 }
 
 /// A model with the parameters fixed that the movement does not excite.

@@ -83,6 +83,10 @@ impl Identifier for WeakForm {
         }
     }
 
+    fn rank(&self) -> Option<usize> {
+        Some(1)
+    }
+
     fn schema(&self) -> schemars::Schema {
         options_schema::<Self>()
     }

@@ -62,7 +62,9 @@ pub fn clustered_covariance(
     let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
     for i in 0..z.nrows() {
         let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
-        sum.axpy(psi[i], &z.row(i).transpose(), 1.0);
+        for (sum, z) in sum.iter_mut().zip(z.row(i).iter()) {
+            *sum += psi[i] * z;
+        }
     }
     let (groups, n) = (scores.len() as f64, rows as f64);
     let factor = groups / (groups - 1.0) * (n - 1.0) / (n - z.ncols() as f64).max(1.0);

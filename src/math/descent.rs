@@ -2,6 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::damped::{Attempt, DampedSearch, Proposal, take_steps};
+
 /// A cost with its gradient and a positive semidefinite approximation of its Hessian (`J'J` of a
 /// least-squares problem, the information matrix of a likelihood).
 #[derive(Debug, Clone, PartialEq)]
@@ -160,7 +162,7 @@ impl Damping {
 pub fn minimise(
     start: &DVector<f64>,
     mut evaluate: impl FnMut(&DVector<f64>) -> Option<Quadratic>,
-    mut cost_only: impl FnMut(&DVector<f64>) -> Option<f64>,
+    cost_only: impl FnMut(&DVector<f64>) -> Option<f64>,
     options: &MinimiseOptions,
 ) -> Minimum {
     let usable = |q: &Quadratic| is_usable(q, start.len());
@@ -170,57 +172,89 @@ pub fn minimise(
     if !bounds_fit {
         return no_start(start, 0);
     }
-    let mut x = project(start, options);
-    let Some(mut here) = evaluate(&x).filter(usable) else { return no_start(&x, 1) };
-    let (mut iterations, mut evaluations, mut idle) = (0, 1, 0);
-    let mut damping = Damping { value: options.initial_damping, factor: FIRST_FACTOR };
-    let status = loop {
-        let model = Model::at(&x, &here, options);
-        if model.is_settled(&here, options) || idle >= IDLE {
-            if let Some(step) = model.step(RIDGE).filter(|_| options.last_step && idle == 0) {
-                x = project(&(&x + step), options);
-            }
-            break MinimumStatus::Converged;
-        }
-        if iterations == options.max_iterations {
-            break MinimumStatus::MaxIterations;
-        }
-        if damping.value > MAX_DAMPING {
-            break MinimumStatus::Stalled;
-        }
-        let trial = model.step(damping.value).map(|d| project(&(&x + d), options));
-        let promise = trial.as_ref().map(|trial| expected_decrease(&here, &(trial - &x)));
-        let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
-        if iterations > 0 && !damping.follows_success() && !promises {
-            // longer steps failed, and this one is negligible
-            break if idle > 0 { MinimumStatus::Converged } else { MinimumStatus::Stalled };
-        }
-        let mut accepted = None;
-        if let Some(trial) = trial.filter(|trial| *trial != x) {
-            // after an accepted step the next one is seldom rejected, so derivatives are computed at once
-            let hopeful = damping.follows_success();
-            evaluations += 1;
-            if hopeful || cost_only(&trial).is_some_and(|cost| cost < here.cost) {
-                evaluations += usize::from(!hopeful);
-                let there = evaluate(&trial).filter(usable).filter(|q| q.cost < here.cost);
-                accepted = there.map(|there| {
-                    let gain = (here.cost - there.cost) / expected_decrease(&here, &(&trial - &x));
-                    (trial, there, gain)
-                });
-            }
-        }
-        if let Some((trial, there, gain)) = accepted {
-            let negligible = here.cost - there.cost <= options.tolerance(here.cost);
-            idle = if negligible { idle + 1 } else { 0 };
-            (x, here) = (trial, there);
-            iterations += 1;
-            damping.accept(gain);
-        } else {
-            damping.reject();
-        }
-    };
+    let x = project(start, options);
+    let Some(here) = evaluate(&x).filter(usable) else { return no_start(&x, 1) };
+    let damping = Damping { value: options.initial_damping, factor: FIRST_FACTOR };
+    let (idle, evaluations) = (0, 1);
+    let mut descent = Descent { x, here, damping, idle, evaluations, evaluate, cost_only, options };
+    let (status, iterations) = take_steps(&mut descent);
+    let Descent { x, here, evaluations, .. } = descent;
     let Quadratic { cost, gradient, hessian } = here;
     Minimum { x, cost, gradient, hessian, iterations, evaluations, status }
+}
+
+/// A minimisation under way.
+struct Descent<'a, E, C> {
+    x: DVector<f64>,
+    here: Quadratic,
+    damping: Damping,
+    /// Accepted steps in a row with a negligible decrease.
+    idle: usize,
+    evaluations: usize,
+    evaluate: E,
+    cost_only: C,
+    options: &'a MinimiseOptions,
+}
+
+impl<E, C> DampedSearch for Descent<'_, E, C>
+where
+    E: FnMut(&DVector<f64>) -> Option<Quadratic>,
+    C: FnMut(&DVector<f64>) -> Option<f64>,
+{
+    /// Where the step leads, if the damped curvature is positive.
+    type Step = Option<DVector<f64>>;
+
+    fn propose(&mut self, accepted: usize, _: usize) -> Proposal<Self::Step> {
+        let (x, here, options) = (&self.x, &self.here, self.options);
+        let model = Model::at(x, here, options);
+        if model.is_settled(here, options) || self.idle >= IDLE {
+            if let Some(step) = model.step(RIDGE).filter(|_| options.last_step && self.idle == 0) {
+                self.x = project(&(x + step), options);
+            }
+            return Proposal::End(MinimumStatus::Converged);
+        }
+        if accepted == options.max_iterations {
+            return Proposal::End(MinimumStatus::MaxIterations);
+        }
+        if self.damping.value > MAX_DAMPING {
+            return Proposal::End(MinimumStatus::Stalled);
+        }
+        let trial = model.step(self.damping.value).map(|d| project(&(x + d), options));
+        let promise = trial.as_ref().map(|trial| expected_decrease(here, &(trial - x)));
+        let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
+        if accepted > 0 && !self.damping.follows_success() && !promises {
+            // longer steps failed, and this one is negligible
+            let idle = self.idle > 0;
+            let end = if idle { MinimumStatus::Converged } else { MinimumStatus::Stalled };
+            return Proposal::End(end);
+        }
+        Proposal::Step(trial)
+    }
+
+    fn attempt(&mut self, trial: Self::Step) -> Attempt {
+        let (size, here) = (self.x.len(), self.here.cost);
+        let accepted = trial.filter(|trial| *trial != self.x).and_then(|trial| {
+            // after an accepted step the next one is seldom rejected, so derivatives are computed at once
+            let hopeful = self.damping.follows_success();
+            self.evaluations += 1;
+            if !hopeful {
+                (self.cost_only)(&trial).filter(|cost| *cost < here)?;
+                self.evaluations += 1;
+            }
+            let there = (self.evaluate)(&trial).filter(|q| is_usable(q, size) && q.cost < here)?;
+            let gain = (here - there.cost) / expected_decrease(&self.here, &(&trial - &self.x));
+            Some((trial, there, gain))
+        });
+        let Some((trial, there, gain)) = accepted else {
+            self.damping.reject();
+            return Attempt::Rejected;
+        };
+        let negligible = here - there.cost <= self.options.tolerance(here);
+        self.idle = if negligible { self.idle + 1 } else { 0 };
+        (self.x, self.here) = (trial, there);
+        self.damping.accept(gain);
+        Attempt::Accepted
+    }
 }
 
 /// The quadratic model over the parameters that are free to move, in scaled units.
@@ -261,6 +295,8 @@ impl Model {
         Some(step)
     }
 
+    /// By Cholesky: [`super::Information::solve_damped`] leaves out directions without curvature, in which a bounded
+    /// descent has to move.
     fn solve(&self, damping: f64) -> Option<DVector<f64>> {
         let mut damped = self.curvature.clone();
         for k in 0..self.free.len() {

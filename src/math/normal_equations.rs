@@ -53,12 +53,22 @@ impl<const N: usize> NormalEquations<N> {
     /// The coefficients; `None` if the rows do not determine them.
     #[inline]
     pub(crate) fn solve(&self) -> Option<FewCoefficients<N>> {
-        let covariance = self.matrix.try_inverse()?;
+        let covariance = scaled_inverse(&self.matrix)?;
         let values = covariance * self.right;
         let beyond = self.rows.saturating_sub(N).max(1) as f64;
         let residual_variance = (self.squares - self.right.dot(&values)).max(0.0) / beyond;
         Some(FewCoefficients { values, covariance, residual_variance })
     }
+}
+
+/// The inverse of a symmetric matrix, scaled to unit diagonal: as accurate in any units. `None` if it is singular.
+#[inline]
+pub(crate) fn scaled_inverse<const N: usize>(
+    matrix: &SMatrix<f64, N, N>,
+) -> Option<SMatrix<f64, N, N>> {
+    let scale = matrix.diagonal().map(|d| 1.0 / d.max(1e-300).sqrt());
+    let scale = scale * scale.transpose();
+    Some(matrix.component_mul(&scale).try_inverse()?.component_mul(&scale))
 }
 
 #[cfg(test)]

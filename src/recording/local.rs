@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use self::corner::{AGREE, Corner, Corners, around};
 use super::{LocalMotion, Measured, MotionNoise, Recording};
+use crate::math::scaled_inverse;
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -239,14 +240,11 @@ impl<'a> Parabola<'a> {
         let [v0, v1, v2] = self.alpha;
         let right =
             Vector3::new(a * v0, a * v1 + w * self.omega[0], 0.5 * a * v2 + w * self.omega[1]);
-        let scale = Vector3::from_fn(|j, _| 1.0 / normal[(j, j)].max(1e-300).sqrt());
-        let scaled = normal.component_mul(&(scale * scale.transpose()));
         let (r, k) = (self.recording, self.sample);
-        let Some(inverse) = scaled.try_inverse() else {
+        let Some(covariance) = scaled_inverse(&normal) else {
             (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
             return;
         };
-        let covariance = inverse.component_mul(&(scale * scale.transpose()));
         let c = covariance * right;
         (out.alpha[i], out.omega[i]) = (r.alpha()[k][i] + c[0], c[1]);
         out.acceleration[i] = c[2];

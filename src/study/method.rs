@@ -149,7 +149,9 @@ impl MethodStudy {
     /// single axis.
     fn gives_combination(&self) -> bool {
         let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
-        single_axis || self.combinations().iter().any(|c| [&c.first, &c.second] == ["a1", "a2"])
+        let inertias = [A1, A2].map(|j| self.estimates.get(j).map(|e| &e.symbol));
+        let of_inertias = |c: &Combination| [Some(&c.first), Some(&c.second)] == inertias;
+        single_axis || self.combinations().iter().any(of_inertias)
     }
 }
 

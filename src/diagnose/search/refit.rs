@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{Look, Search};
+use super::{Criteria, Search};
 use crate::diagnose::candidate::{Candidate, Form, column_size};
 use crate::diagnose::fit::{WindowFit, fit, fit_within};
 use crate::diagnose::input_timing::SYMBOL;
@@ -25,13 +25,13 @@ impl Search<'_> {
         present: &WindowFit,
         ranked: &mut [Ranked],
         wanted: &[usize],
-        looks: Option<&[Look; 2]>,
+        criteria: Option<&[Criteria; 2]>,
     ) {
         let Some((lead, others)) = wanted.split_first() else { return };
         let done = AtomicUsize::new(0);
         let refit = |r: &mut Ranked, negligible: f64| {
-            let look = looks.map(|looks| &looks[usize::from(r.candidate.is_shift())]);
-            let by_torque = look.and_then(|(by_torque, _)| by_torque.as_ref());
+            let own = criteria.map(|criteria| &criteria[usize::from(r.candidate.is_shift())]);
+            let by_torque = own.and_then(|(by_torque, _)| by_torque.as_ref());
             r.refit = self.refit(present, r, by_torque, negligible);
             let done = done.fetch_add(1, Relaxed) + 1;
             self.settings.progress.iter().for_each(|report| report(done, wanted.len()));

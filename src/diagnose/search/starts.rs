@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::{Data, Look, MANY, Search, Settings, held_in_time};
+use super::{Criteria, Data, MANY, Search, Settings, held_in_time};
 use crate::diagnose::aligned::{Aligned, within_turn};
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
@@ -153,27 +153,28 @@ impl Search<'_> {
                 return None;
             }
             let held = held_in_time(&present);
-            let looks = [self.look(&present.model, &present.p), self.look(&held, &present.p)];
+            let criteria =
+                [self.criteria(&present.model, &present.p), self.criteria(&held, &present.p)];
             let (model, p) = (&present.model, &present.p);
             let all = candidates(model, p, &[], &[], &self.windows.recordings, &self.scale);
-            let phased = self.phased(&looks[0], &all);
+            let phased = self.phased(&criteria[0], &all);
             let best = phased.into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
             let open = |than: f64| best.criterion < than - THRESHOLDS.strong;
             if round == 0 && !open(best.in_common.min(0.0)) {
                 return None;
             }
-            let mut others = self.screened(&present, &looks);
+            let mut others = self.screened(&present, &criteria);
             others.sort_by(|a, b| a.screened.total_cmp(&b.screened));
             if open(best.in_common) && best.criterion < others.first()?.screened {
                 let (candidate, aligned) = (best.candidate.clone(), best.aligned);
-                drop(looks);
+                drop(criteria);
                 return Some((present, candidate, aligned));
             }
             let wanted: Vec<usize> = (0..others.len().min(THRESHOLDS.exchanged)).collect();
-            self.refit_all(&present, &mut others, &wanted, Some(&looks));
+            self.refit_all(&present, &mut others, &wanted, Some(&criteria));
             let refits = others.into_iter().filter_map(|r: Ranked| r.refit);
             let lowest = refits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-            drop(looks);
+            drop(criteria);
             present = lowest;
         }
         None
@@ -186,7 +187,7 @@ impl Search<'_> {
 
     /// Every candidate with waves, shape by shape, with phases. Ratios of effects with many orders are divided by
     /// their median as in [`Search::level_grids`].
-    fn phased<'c>(&self, look: &Look, all: &'c [Candidate]) -> Vec<Phased<'c>> {
+    fn phased<'c>(&self, criteria: &Criteria, all: &'c [Candidate]) -> Vec<Phased<'c>> {
         let mut buffer = Buffers::default();
         let mut out: Vec<Phased> = Vec::new();
         let mut ids: Vec<&str> = all.iter().map(|c| c.id.as_str()).collect();
@@ -195,11 +196,11 @@ impl Search<'_> {
             let own = all.iter().filter(|c| c.id == id && !c.waves().is_empty());
             let own: Vec<(&Candidate, Aligned)> = own
                 .filter_map(|c| {
-                    let by_torque = look.0.as_ref().map(|r| r.by_recording(c, &mut buffer));
-                    let by_windows = look.1.as_ref().map(|s| s.by_recording(c));
-                    let looks = by_torque.into_iter().chain(by_windows).collect();
+                    let by_torque = criteria.0.as_ref().map(|r| r.by_recording(c, &mut buffer));
+                    let by_windows = criteria.1.as_ref().map(|s| s.by_recording(c));
+                    let criteria = by_torque.into_iter().chain(by_windows).collect();
                     let none = DVector::zeros(c.columns());
-                    Some((c, Aligned::new(looks, c.waves(), &none)?))
+                    Some((c, Aligned::new(criteria, c.waves(), &none)?))
                 })
                 .collect();
             let Some((first, aligned)) = own.first() else { continue };

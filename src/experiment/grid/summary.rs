@@ -2,18 +2,23 @@
 //! keys other than the seed.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
 
 use serde_json::json;
 
 use super::cell::{Cell, Row};
 use super::table::column_name;
 use crate::experiment::combinations::GridPlan;
+use crate::identify;
 use crate::io::{IoError, TableColumn, group_rows};
 use crate::math::distribution::{chi2_quantile, normal_quantile};
 use crate::math::mean;
 
-/// Method whose reported variance is the proxy of the Cramér-Rao bound.
-const EFFICIENT: &str = "prediction_error";
+/// Names of the methods whose reported variance is the proxy of the Cramér-Rao bound.
+static EFFICIENT: LazyLock<HashSet<String>> = LazyLock::new(|| {
+    let efficient = identify::all().into_iter().filter(|method| method.is_efficient());
+    efficient.map(|method| method.describe().name).collect()
+});
 
 /// Smallest number of repetitions for which a coverage is reported: of 20 correct intervals 19 cover the true
 /// value on average; of fewer, all or all but one do for any coverage between 85 and 100 %.
@@ -26,8 +31,8 @@ pub(super) const FEWEST_COVERED: usize = 20;
 /// coverage   = share of 95 % intervals that cover v0
 /// efficiency = mean(s^2) / RMSE^2
 /// ```
-/// with the estimate v and the true value v0. s is the standard error reported by `prediction_error` in the
-/// same cell, a proxy of the Cramér-Rao bound; if that method is not run, s is the smallest standard error
+/// with the estimate v and the true value v0. s is the standard error reported in the same cell by an efficient
+/// method (`prediction_error`), a proxy of the Cramér-Rao bound; if none is run, s is the smallest standard error
 /// reported by any method. Estimates that are not identifiable (infinite standard error) are counted
 /// separately and excluded from the means; fixed parameters have no coverage and no efficiency.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +159,7 @@ fn bound(cell: &Cell, parameter: &str) -> Option<f64> {
         rows.map(|r| r.std_error.0.powi(2)).min_by(f64::total_cmp)
     };
     let claims = || cell.rows.iter().filter(claimed);
-    least(&mut claims().filter(|r| r.method == EFFICIENT)).or_else(|| least(&mut claims()))
+    least(&mut claims().filter(|r| EFFICIENT.contains(&*r.method))).or_else(|| least(&mut claims()))
 }
 
 fn summary(places: Vec<usize>, rows: &[(&Cell, &Row)], failures: usize) -> Summary {

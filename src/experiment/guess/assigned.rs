@@ -8,7 +8,7 @@ use crate::recording::{Channels, DriveUnit};
 
 /// Gives numbered speeds or angles to the inputs that move them, or numbered inputs to the wheels that they move, where
 /// the names of the others state the side and the data show it.
-pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
+pub(super) fn apply(columns: &[PreviewColumn], guess: &mut Guess) {
     let is_input = |c: &Guessed| c.key.starts_with('M');
     let unsure = |input: bool| {
         let mut found = guess.columns.iter().filter(|c| c.key != "t" && is_input(c) == input);

@@ -11,7 +11,7 @@ use super::names::{Named, Quantity, Side, WISHED};
 /// v_right, pwm_right             a speed and an input; v is no voltage
 /// ctrl_right                     command of the motor, if no other column is one
 /// ```
-pub(super) fn look(all: &mut [Candidate]) -> Vec<String> {
+pub(super) fn apply(all: &mut [Candidate]) -> Vec<String> {
     controller_terms(all);
     outputs(all);
     bare_speeds(all);

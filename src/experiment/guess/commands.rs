@@ -25,9 +25,36 @@ const BATTERY_OF_MOST: f64 = 30.0;
 /// Voltages of batteries of robots \[V\].
 const BATTERIES: (f64, f64) = (2.0, 100.0);
 
+/// Whether all values are pulse widths of a servo.
+fn is_pulse(values: &[f64]) -> bool {
+    let mut values = values.iter().filter(|v| v.is_finite()).peekable();
+    values.peek().is_some() && values.all(|v| (PULSE.0..=PULSE.2).contains(v))
+}
+
+/// Subtracts the neutral pulse width of a servo.
+fn set_neutral(one: &mut Guessed) {
+    one.offset = Some(-PULSE.1);
+    one.evidence.push(format!(
+        "{:.0} to {:.0} us: a servo pulse with the neutral position {:.0}",
+        PULSE.0, PULSE.2, PULSE.1
+    ));
+}
+
+/// Takes inputs as a share of the voltage of a battery column, of which `full` is the whole.
+fn take_share(inputs: &mut [&mut Guessed], column: &PreviewColumn, factor: f64, full: f64) {
+    for one in inputs {
+        one.times = Some(column.name.clone());
+        one.scale = Some(factor / full).filter(|f| *f != 1.0);
+        // what is added stands behind the factor
+        one.offset = one.offset.map(|offset| offset * factor / full);
+        let milli = if factor == 1.0 { "" } else { ", which is in mV" };
+        one.evidence.push(format!("{full} is the full battery voltage{milli}"));
+    }
+}
+
 /// Completes inputs that are commands: neutral pulse width of a servo, full scale, column of the battery; or
 /// adds the questions.
-pub(super) fn look(
+pub(super) fn apply(
     columns: &[PreviewColumn],
     battery: Option<(&PreviewColumn, Option<&str>)>,
     guess: &mut Guess,
@@ -52,18 +79,9 @@ pub(super) fn look(
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
-    let is_pulse = inputs.iter().all(|one| {
-        let mut values = of(&one.name).iter().filter(|v| v.is_finite()).peekable();
-        values.peek().is_some() && values.all(|v| (PULSE.0..=PULSE.2).contains(v))
-    });
+    let is_pulse = inputs.iter().all(|one| is_pulse(of(&one.name)));
     if is_pulse {
-        for one in &mut inputs {
-            one.offset = Some(-PULSE.1);
-            one.evidence.push(format!(
-                "{:.0} to {:.0} us: a servo pulse with the neutral position {:.0}",
-                PULSE.0, PULSE.2, PULSE.1
-            ));
-        }
+        inputs.iter_mut().for_each(|one| set_neutral(one));
     }
     let centre = centred::centre(columns, &inputs).filter(|_| !is_pulse);
     if let Some(centre) = centre {
@@ -82,14 +100,7 @@ pub(super) fn look(
     let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
     let name = inputs[0].name.clone();
     if let Some((column, factor)) = volts.filter(|_| !is_pulse) {
-        for one in &mut inputs {
-            one.times = Some(column.name.clone());
-            one.scale = Some(factor / full).filter(|f| *f != 1.0);
-            // what is added stands behind the factor
-            one.offset = one.offset.map(|offset| offset * factor / full);
-            let milli = if factor == 1.0 { "" } else { ", which is in mV" };
-            one.evidence.push(format!("{full} is the full battery voltage{milli}"));
-        }
+        take_share(&mut inputs, column, factor, full);
         guess.ask(format!(
             "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             column.name,

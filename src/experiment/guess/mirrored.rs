@@ -30,7 +30,7 @@ const BLOCK: usize = 36;
 
 /// Inverts a wheel that is mirrored according to a measured turn rate. Without one it asks, if the wheels nearly always
 /// turn in opposite directions, each in that of its input: a robot that turned on the spot gives the same data.
-pub(super) fn look(columns: &[PreviewColumn], guess: &mut Guess) {
+pub(super) fn apply(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |guess: &Guess, key: &str| {
         let one = guess.columns.iter().find(|c| c.key == key)?;
         let sign = one.scale.unwrap_or(1.0).signum();

@@ -48,12 +48,12 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         period: None,
     };
     out.columns.extend(clock::time(&all));
-    out.ask_all(beside::look(&mut all));
+    out.ask_all(beside::apply(&mut all));
     let owners = labels::owners(columns);
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
-    numbers::look(&mut all);
-    unknown_sides::look(&mut all);
+    numbers::apply(&mut all);
+    unknown_sides::apply(&mut all);
     let mut pairs = Pairs::new(&all);
     let mut angles = pairs.of(Quantity::Angle, ANGLES);
     let mut speeds = pairs.of(Quantity::Speed, SPEEDS);
@@ -95,28 +95,33 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         out.drive_unit = unit;
         out.columns.extend(input);
     }
-    assigned::look(columns, &mut out);
-    out.ask_all(which_is_right(&out.columns));
-    motors::look(&all, columns, &mut out);
-    let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
-    let battery = commands::battery(&batteries.collect::<Vec<_>>());
-    values::units(columns, &mut out);
-    counts::per_turn(columns, &mut out);
-    speed_units::open(columns, &mut out);
-    let input = open_inputs::question(columns, &out);
-    values::questions(columns, &mut out, input);
-    stated::look(&mut out);
-    out.ask_all(signs::lost(&all, columns, &out));
-    commands::look(columns, battery, &mut out);
-    let remark = labels::without_cells(columns);
-    out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));
+    complete(&all, columns, &mut out);
     directions.give(columns, &mut out);
     signs::bounce(columns, &mut out);
-    mirrored::look(columns, &mut out);
+    mirrored::apply(columns, &mut out);
     if !are_several {
         out.ask_all(relations::hints(columns, &out));
     }
     out
+}
+
+/// Units and scales of the columns that were chosen, and the questions that remain.
+fn complete(all: &[Candidate], columns: &[PreviewColumn], out: &mut Guess) {
+    assigned::apply(columns, out);
+    out.ask_all(which_is_right(&out.columns));
+    motors::apply(all, columns, out);
+    let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
+    let battery = commands::battery(&batteries.collect::<Vec<_>>());
+    values::units(columns, out);
+    counts::per_turn(columns, out);
+    speed_units::open(columns, out);
+    let input = open_inputs::question(columns, out);
+    values::questions(columns, out, input);
+    stated::apply(out);
+    out.ask_all(signs::lost(all, columns, out));
+    commands::apply(columns, battery, out);
+    let remark = labels::without_cells(columns);
+    out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));
 }
 
 /// One axis used for both wheels.

@@ -66,7 +66,7 @@ fn beside<'a>(all: &'a [Candidate], one: &Guessed) -> Vec<&'a Candidate<'a>> {
 
 /// Adds the torques or currents of the other motors of each side to those found; of angles and speeds the pair that
 /// was found is kept, and a voltage is the same for all motors of a side.
-pub(super) fn look(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Guess) {
+pub(super) fn apply(all: &[Candidate], columns: &[PreviewColumn], guess: &mut Guess) {
     let adds_up = guess.drive_unit != DriveUnit::Volt;
     let beside: Vec<Vec<&Candidate>> = guess
         .columns

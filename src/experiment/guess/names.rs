@@ -51,20 +51,11 @@ pub(super) fn named(name: &str) -> Named {
     let battery = !name.contains('%') && is_battery(&words, ending.map(|(unit, _)| unit));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
-    let (mut quantity, mut word) = (None, String::new());
-    if !other {
-        if let Some((said, by)) = take_quantity(&mut words) {
-            (quantity, word) = (Some(said), by);
-        }
-        if let Some((said, Some(of))) = ending
-            && (bracket.is_some_and(|b| !b.is_empty()) || is_overruled(quantity, &word, of))
-        {
-            // what stands in brackets is a unit for certain: `v_l (m/s)` is no voltage
-            // `right_rpm`, and `position_rpm` is no position; `a` alone as a unit is too little
-            quantity =
-                (said != "A" || !words.is_empty() || side.is_some()).then_some(of).or(quantity);
-        }
-    }
+    let in_brackets = bracket.is_some_and(|b| !b.is_empty());
+    let (mut quantity, word) = match other {
+        true => (None, String::new()),
+        false => quantity_of(&mut words, ending, in_brackets, side.is_some()),
+    };
     if ending.is_none() && plain.as_deref().is_some_and(|unit| PER_SECOND.contains(&unit)) {
         ending = of_frequency(quantity, &word).and_then(unit);
     }
@@ -83,6 +74,26 @@ pub(super) fn named(name: &str) -> Named {
         _ => None,
     });
     Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+}
+
+/// The quantity that words and unit denote, with its word.
+fn quantity_of(
+    words: &mut Vec<String>,
+    ending: Option<(&'static str, Option<Quantity>)>,
+    in_brackets: bool,
+    has_side: bool,
+) -> (Option<Quantity>, String) {
+    let taken = take_quantity(words);
+    let (quantity, word) = taken.map_or((None, String::new()), |(said, by)| (Some(said), by));
+    match ending {
+        // a unit in brackets is one for certain: `v_l (m/s)` is no voltage; nor is `position_rpm` a position.
+        // `a` alone as a unit is not sufficient
+        Some((said, Some(of))) if in_brackets || is_overruled(quantity, &word, of) => {
+            let sufficient = said != "A" || !words.is_empty() || has_side;
+            (sufficient.then_some(of).or(quantity), word)
+        }
+        _ => (quantity, word),
+    }
 }
 
 /// The unit of a frequency, without spaces, points and signs.

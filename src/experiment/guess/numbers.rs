@@ -5,7 +5,7 @@ use super::names::Side;
 
 /// Takes that number for the one of the wheel in which two names of a quantity differ, where the last one, which was
 /// taken, is the same in both.
-pub(super) fn look(all: &mut [Candidate]) {
+pub(super) fn apply(all: &mut [Candidate]) {
     let found: Vec<(usize, usize)> = (0..all.len())
         .filter_map(|k| all.iter().find_map(|other| other_number(&all[k], other)).map(|at| (k, at)))
         .collect();

@@ -6,7 +6,7 @@ use crate::io::{ColumnMap, unknown_unit};
 use crate::recording::DriveUnit;
 
 /// Asks for the factor of columns whose header states a unit that is none of their quantity.
-pub(super) fn look(guess: &mut Guess) {
+pub(super) fn apply(guess: &mut Guess) {
     let map = ColumnMap::new(guess.drive_unit, None);
     let input = guess.drive_unit;
     // a share of a voltage is a command, of which the question is another

@@ -11,7 +11,7 @@ const OTHERS: [&str; 22] = [
 
 /// Uses two words as those of the sides where names of a motion and of an input differ in them alone, and no
 /// name has a known side. Which word is the right side is asked, as for motors A and B.
-pub(super) fn look(all: &mut [Candidate]) {
+pub(super) fn apply(all: &mut [Candidate]) {
     if all.iter().any(|c| c.named.side.is_some() && is_of(c, true)) {
         return;
     }

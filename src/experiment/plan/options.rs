@@ -6,9 +6,6 @@ use crate::identify::{self, Identifier};
 use crate::simulate::{Gain, Hold};
 use crate::verdict::Basis;
 
-/// Default methods.
-const DEFAULT_METHODS: [&str; 3] = ["prediction_error", "output_error", "torque_regression"];
-
 /// A method with its options.
 pub struct MethodPlan {
     /// Name in its `[[method]]` block.
@@ -37,8 +34,10 @@ impl MethodPlan {
     /// The default methods, with default options.
     #[must_use]
     pub fn defaults() -> Vec<Self> {
-        let found = DEFAULT_METHODS.iter().filter_map(|name| identify::find(name));
-        found.map(|method| Self::boxed(method, String::new())).collect()
+        let mut found = identify::all();
+        found.retain(|method| method.is_default());
+        found.sort_by_key(|method| method.rank());
+        found.into_iter().map(|method| Self::boxed(method, String::new())).collect()
     }
 }
 

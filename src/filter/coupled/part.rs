@@ -1,13 +1,15 @@
 //! One part of a step: the acting torques, and the linearly implicit solution.
 
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 
 use super::robot::{BODY, Coupled, STATES, TWIST};
 use crate::effects::{Coupling, with_friction};
-use crate::filter::correction::Mean;
+use crate::filter::correction::{Covariance, Mean};
 use crate::filter::friction::Friction;
+use crate::filter::sample::Sample;
 
 /// Torques and masses at one instant.
+#[derive(Clone, Copy)]
 pub(super) struct Sides {
     pub(super) coupling: Coupling<f64>,
     pub(super) rotor: f64,
@@ -20,61 +22,109 @@ pub(super) struct Sides {
 
 /// One part of a step.
 pub(super) struct Part {
-    pub(super) transition: SMatrix<f64, STATES, STATES>,
+    pub(super) transition: Covariance<STATES>,
     /// Map of a torque on the wheels.
     pub(super) gain: SMatrix<f64, STATES, 2>,
     /// Map of a torque on the body.
     pub(super) body_gain: SMatrix<f64, STATES, 2>,
-    pub(super) shift: SVector<f64, STATES>,
+    pub(super) shift: Mean<STATES>,
+    /// At the start of the part [rad/s^2].
     pub(super) wheel_acceleration: [f64; 2],
     pub(super) body_acceleration: [f64; 2],
 }
 
+/// The rows of (w1, w2, u1, u2) in a Jacobian by all states.
+type FastRows = SMatrix<f64, 4, STATES>;
+
+impl Sides {
+    /// Torque that the couplings pass from the wheels to the body [N m].
+    fn passed(&self, x: &Mean<STATES>) -> [f64; 2] {
+        let Coupling { stiffness, damping, .. } = self.coupling;
+        [0, 1].map(|i| stiffness * x[TWIST + i] + damping * (x[2 + i] - x[BODY + i]))
+    }
+
+    /// Inverse inertia of each wheel, none at rest.
+    fn free(&self, still: [bool; 2]) -> [f64; 2] {
+        still.map(|still| if still { 0.0 } else { 1.0 / self.rotor })
+    }
+}
+
 impl Coupled<'_> {
-    /// One part of length `h` from `x`, `input` acting on the wheels.
+    /// One part of length `h` from `x`, over which the slow torques decay by `decay`.
     pub(super) fn part(
         &self,
         sides: &Sides,
         friction: &Friction,
         x: &Mean<STATES>,
-        input: &[f64; 2],
-        still: [bool; 2],
-        h: f64,
+        sample: &Sample,
+        (h, decay): (f64, f64),
     ) -> Option<Part> {
-        let Coupling { stiffness, damping, .. } = sides.coupling;
-        let mut f = SVector::<f64, STATES>::zeros();
-        let passed = [0, 1].map(|i| stiffness * x[TWIST + i] + damping * (x[2 + i] - x[BODY + i]));
-        let on_body = [0, 1].map(|i| passed[i] - sides.body_torque[i]);
-        let body_acceleration = sides.mobility * SVector::<f64, 2>::from(on_body);
-        let body_acceleration = [body_acceleration[0], body_acceleration[1]];
+        let passed = sides.passed(x);
+        let free = sides.free(sample.still);
         let resisting = with_friction(sides.wheel_torque, &friction.level, &friction.sign);
-        let stiff = friction.stiffness();
-        let mut wheel_acceleration = [0.0; 2];
-        // the fast rows, those of (w1, w2, u1, u2), by all states
-        let mut fast = SMatrix::<f64, 4, STATES>::zeros();
-        let free = |i: usize| if still[i] { 0.0 } else { 1.0 / sides.rotor };
-        for i in (0..2).filter(|&i| !still[i]) {
-            wheel_acceleration[i] = (input[i] + x[4 + i] - passed[i] - resisting[i]) / sides.rotor;
-            f[i] = x[2 + i];
+        let wheel_acceleration =
+            [0, 1].map(|i| (sample.input[i] + x[4 + i] - passed[i] - resisting[i]) * free[i]);
+        let on_body = [0, 1].map(|i| passed[i] - sides.body_torque[i]);
+        let body_acceleration: [f64; 2] = (sides.mobility * Vector2::from(on_body)).into();
+        let mut f = Mean::<STATES>::zeros();
+        for i in 0..2 {
+            f[i] = if sample.still[i] { 0.0 } else { x[2 + i] };
             f[2 + i] = wheel_acceleration[i];
-            fast[(i, 2 + i)] -= damping / sides.rotor;
-            fast[(i, BODY + i)] += damping / sides.rotor;
-            fast[(i, TWIST + i)] -= stiffness / sides.rotor;
-            fast[(i, 4 + i)] += 1.0 / sides.rotor;
+            f[BODY + i] = body_acceleration[i];
+            f[TWIST + i] = x[2 + i] - x[BODY + i];
         }
-        self.add_slopes(false, &wheel_acceleration, &friction.sign, |i, k, slope| {
-            fast[(i, k)] -= slope * free(i);
-        });
+        let stiff = friction.stiffness();
+        let dry =
+            Matrix2::from_fn(|i, k| if sample.still[k] { 0.0 } else { stiff[(i, k)] * free[i] });
+        let mut fast =
+            self.fast_rows(sides, friction, free, &wheel_acceleration, &body_acceleration);
+        // friction is implicit over the whole part, the rest over half of it
+        let mut of_wheels = fast.fixed_view_mut::<2, 2>(0, 2);
+        of_wheels -= dry * 2.0;
+        let solve = solve(&fast, sample.still, 0.5 * h)?;
+        // x' = x + h S f, S = (1 - h J/2)^-1, and h S J = 2 (S - 1); dry friction was taken twice
+        let mut transition = solve * 2.0 - Covariance::<STATES>::identity();
+        let columns = solve.fixed_view::<STATES, 2>(0, 2) * dry * h;
+        let mut of_wheels = transition.fixed_view_mut::<STATES, 2>(0, 2);
+        of_wheels += columns;
+        let mut shift = solve * f * h;
+        for i in 4..6 {
+            transition.row_mut(i).fill(0.0);
+            transition[(i, i)] = decay;
+            shift[i] = (decay - 1.0) * x[i];
+        }
+        let mut gain = solve.fixed_view::<STATES, 2>(0, 2) * (h / sides.rotor);
+        (0..2).filter(|&i| sample.still[i]).for_each(|i| gain.column_mut(i).fill(0.0));
+        let body_gain = solve.fixed_view::<STATES, 2>(0, BODY) * sides.mobility * h;
+        Some(Part { transition, gain, body_gain, shift, wheel_acceleration, body_acceleration })
+    }
+
+    /// Derivatives of the accelerations of wheels and body, without the slope of dry friction.
+    fn fast_rows(
+        &self,
+        sides: &Sides,
+        friction: &Friction,
+        free: [f64; 2],
+        wheel_acceleration: &[f64; 2],
+        body_acceleration: &[f64; 2],
+    ) -> FastRows {
+        let Coupling { stiffness, damping, .. } = sides.coupling;
+        let mut fast = FastRows::zeros();
         // derivatives of the torque on the body with respect to the state
         let mut felt = SMatrix::<f64, 2, STATES>::zeros();
         for i in 0..2 {
-            f[BODY + i] = body_acceleration[i];
-            f[TWIST + i] = x[2 + i] - x[BODY + i];
+            fast[(i, 2 + i)] -= damping * free[i];
+            fast[(i, BODY + i)] += damping * free[i];
+            fast[(i, TWIST + i)] -= stiffness * free[i];
+            fast[(i, 4 + i)] += free[i];
             felt[(i, TWIST + i)] += stiffness;
             felt[(i, 2 + i)] += damping;
             felt[(i, BODY + i)] -= damping;
         }
-        self.add_slopes(true, &body_acceleration, &[0.0; 4], |i, k, slope| {
+        self.add_slopes(false, wheel_acceleration, &friction.sign, |i, k, slope| {
+            fast[(i, k)] -= slope * free[i];
+        });
+        self.add_slopes(true, body_acceleration, &[0.0; 4], |i, k, slope| {
             if k < 2 {
                 felt[(i, k)] -= slope;
                 felt[(i, TWIST + k)] += slope;
@@ -83,40 +133,13 @@ impl Coupled<'_> {
             }
         });
         fast.fixed_view_mut::<2, STATES>(2, 0).copy_from(&(sides.mobility * felt));
-        let mut dry = Matrix2::zeros();
-        for i in 0..2 {
-            for k in (0..2).filter(|&k| !still[k]) {
-                dry[(i, k)] = stiff[(i, k)] * free(i);
-                // friction is implicit over the whole part, the rest over half of it
-                fast[(i, 2 + k)] -= 2.0 * dry[(i, k)];
-            }
-        }
-        let solve = solve(&fast, still, 0.5 * h)?;
-        // x' = x + h S f, S = (1 - h J/2)^-1, and h S J = 2 (S - 1); dry friction was taken twice
-        let mut transition = solve * 2.0 - SMatrix::<f64, STATES, STATES>::identity();
-        let columns = solve.fixed_view::<STATES, 2>(0, 2) * dry * h;
-        let mut of_wheels = transition.fixed_view_mut::<STATES, 2>(0, 2);
-        of_wheels += columns;
-        let mut gain = solve.fixed_view::<STATES, 2>(0, 2) * (h / sides.rotor);
-        (0..2).filter(|&i| still[i]).for_each(|i| gain.column_mut(i).fill(0.0));
-        Some(Part {
-            transition,
-            gain,
-            body_gain: solve.fixed_view::<STATES, 2>(0, BODY) * sides.mobility * h,
-            shift: solve * f * h,
-            wheel_acceleration,
-            body_acceleration,
-        })
+        fast
     }
 }
 
 /// `(1 - a J)⁻¹` where only the rows `fast` of J, those of (w1, w2, u1, u2), are full: angles and
 /// twists integrate speeds, and the slow torques stand.
-fn solve(
-    fast: &SMatrix<f64, 4, STATES>,
-    still: [bool; 2],
-    a: f64,
-) -> Option<SMatrix<f64, STATES, STATES>> {
+fn solve(fast: &FastRows, still: [bool; 2], a: f64) -> Option<Covariance<STATES>> {
     // rows of angles and twists by speeds (w1, w2, u1, u2)
     let mut slow = SMatrix::<f64, 4, 4>::zeros();
     for i in 0..2 {
@@ -135,7 +158,7 @@ fn solve(
     }
     let speeds = inverse * right;
     let places = slow * speeds;
-    let mut out = SMatrix::<f64, STATES, STATES>::identity();
+    let mut out = Covariance::<STATES>::identity();
     for (row, [speed, place]) in
         [[2, 0], [3, 1], [BODY, TWIST], [BODY + 1, TWIST + 1]].into_iter().enumerate()
     {

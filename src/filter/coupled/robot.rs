@@ -1,10 +1,10 @@
 //! The robot with a second body as the filter holds it.
 
-use nalgebra::SVector;
+use nalgebra::SMatrix;
 
+use super::part::{Part, Sides};
 use crate::effects::{Jet, Terms};
-use crate::filter::ProcessNoise;
-use crate::filter::correction::Covariance;
+use crate::filter::correction::{Covariance, Mean};
 use crate::model::Model;
 
 /// The six states of the rigid robot, body speeds u1, u2, twists phi1, phi2.
@@ -28,7 +28,6 @@ pub(super) const TWIST: usize = 8;
 pub(in crate::filter) struct Coupled<'a> {
     pub(super) model: &'a Model,
     pub(super) p: &'a [f64],
-    pub(super) noise: ProcessNoise,
     /// Effects that act on the body.
     pub(super) on_body: Vec<bool>,
     /// What every effect adds at the present instant, with derivatives.
@@ -36,7 +35,12 @@ pub(in crate::filter) struct Coupled<'a> {
     /// Derivatives of stiffness and damping by parameters.
     pub(super) joint: Vec<(usize, [f64; 3])>,
     /// Derivative of the state after the step by each parameter, at the state before it.
-    pub(super) forced: Vec<SVector<f64, STATES>>,
-    /// Transition matrix of the last step.
+    pub(super) forced: Vec<Mean<STATES>>,
+    /// Torques and masses where the effects were evaluated last.
+    pub(super) sides: Option<Sides>,
+    /// The last part of a step.
+    pub(super) part: Option<Part>,
+    /// Transition matrix of the step so far, and the effect of a torque on the wheels that lasts over it.
     pub(super) transition: Covariance<STATES>,
+    pub(super) gain: SMatrix<f64, STATES, 2>,
 }

@@ -5,9 +5,9 @@
 
 use nalgebra::DVector;
 
-use super::{HorizonFilter, Reading, Sums};
-use crate::filter::Prepared;
+use super::{HorizonFilter, Reading};
 use crate::filter::tests::{NOISE, curves, known};
+use crate::filter::{Prepared, Sums};
 use crate::model::Model;
 use crate::robot::Robot;
 use crate::simulate::{Hold, NoiseLevel};

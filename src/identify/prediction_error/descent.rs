@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::ParameterKind;
 use crate::filter::{HorizonFilter, Reading, Sums};
 use crate::identify::Status;
-use crate::math::Information;
+use crate::math::{Attempt, DampedSearch, Information, MinimumStatus, Proposal, take_steps};
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -41,7 +41,6 @@ pub(super) struct Solution {
 }
 
 /// A step of the estimated columns, and its predicted decrease of the cost [nats].
-#[derive(Clone)]
 struct Towards {
     step: DVector<f64>,
     promise: f64,
@@ -186,7 +185,7 @@ pub(super) fn part(vector: &DVector<f64>, columns: &[usize]) -> DVector<f64> {
 /// A step is accepted if it lowers the cost with its scale profiled out. The score neglects the dependence
 /// of the gain on the parameters; if the innovations are much larger than their predicted variance, this
 /// term can reverse the sign of the gradient. A step that halves the predicted decrease is therefore
-/// accepted too. [`crate::math::minimise`] would end if the cost does not decrease.
+/// accepted too.
 pub(super) fn descend(
     filter: &HorizonFilter,
     model: &Model,
@@ -200,44 +199,83 @@ pub(super) fn descend(
 }
 
 /// [`descend`] from a point at which the filter has run.
-pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, mut here: Solution) -> Solution {
-    let (mut damping, mut iterations, mut evaluations) = (0.0, 0, 0);
-    let (mut share, mut promised) = (1.0, f64::INFINITY);
-    let status = loop {
-        let whole = here.towards(model, 0.0);
+pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, here: Solution) -> Solution {
+    let (damping, share, promised) = (0.0, 1.0, f64::INFINITY);
+    let mut descent = Descent { filter, model, here, damping, share, promised, evaluations: 0 };
+    let (status, iterations) = take_steps(&mut descent);
+    let Descent { here, evaluations, .. } = descent;
+    Solution { status: status.into(), iterations, evaluations, ..here }
+}
+
+/// A descent under way.
+struct Descent<'a> {
+    filter: &'a HorizonFilter<'a>,
+    model: &'a Model,
+    here: Solution,
+    damping: f64,
+    /// Share of a step that is accepted without comparing the cost.
+    share: f64,
+    /// Decrease that the last undamped step promised [nats].
+    promised: f64,
+    evaluations: usize,
+}
+
+/// A step of a [`Descent`].
+struct Trial {
+    step: DVector<f64>,
+    /// Whether it is accepted without comparing the cost.
+    near: bool,
+    /// Decrease that the undamped step promises [nats].
+    promise: f64,
+}
+
+impl DampedSearch for Descent<'_> {
+    type Step = Trial;
+
+    fn propose(&mut self, accepted: usize, _: usize) -> Proposal<Trial> {
+        let whole = self.here.towards(self.model, 0.0);
+        let promise = whole.promise;
         // steps accepted without comparing the cost are halved if the last one did not halve the
         // predicted decrease
-        if damping == 0.0 && whole.promise < NEAR && whole.promise > 0.5 * promised {
-            share *= 0.5;
+        if self.damping == 0.0 && promise < NEAR && promise > 0.5 * self.promised {
+            self.share *= 0.5;
         }
-        promised = whole.promise;
-        if share * share * whole.promise < NEGLIGIBLE {
-            break Status::Converged;
+        self.promised = promise;
+        if self.share * self.share * promise < NEGLIGIBLE {
+            return Proposal::End(MinimumStatus::Converged);
         }
-        if iterations == STEPS {
-            break Status::IterationLimit;
+        if accepted == STEPS {
+            return Proposal::End(MinimumStatus::MaxIterations);
         }
-        let next = if damping > 0.0 { here.towards(model, damping) } else { whole.clone() };
+        let damped = self.damping > 0.0;
+        let next = if damped { self.here.towards(self.model, self.damping) } else { whole };
         if next.promise < NEGLIGIBLE {
-            break Status::Stalled;
+            return Proposal::End(MinimumStatus::Stalled);
         }
-        let near = damping == 0.0 && next.promise < NEAR;
-        let step = if near { &next.step * share } else { next.step };
-        let (p, shift) = here.moved(model, &step);
-        evaluations += 1;
+        let near = !damped && next.promise < NEAR;
+        let step = if near { next.step * self.share } else { next.step };
+        Proposal::Step(Trial { step, near, promise })
+    }
+
+    fn attempt(&mut self, Trial { step, near, promise }: Trial) -> Attempt {
+        let (here, model) = (&self.here, self.model);
+        self.evaluations += 1;
         let kept = |there: &Solution| {
-            let halved = || there.towards(model, 0.0).promise < 0.5 * whole.promise;
+            let halved = || there.towards(model, 0.0).promise < 0.5 * promise;
             near || there.cost() < here.cost() || halved()
         };
-        match Solution::at(filter, model, (p, shift), here.horizon).filter(kept) {
+        let place = here.moved(model, &step);
+        match Solution::at(self.filter, model, place, here.horizon).filter(kept) {
             Some(there) => {
-                here = there;
-                iterations += 1;
-                damping = if damping > DAMPING.0 { damping / DAMPING.1 } else { 0.0 };
+                self.here = there;
+                let most = self.damping > DAMPING.0;
+                self.damping = if most { self.damping / DAMPING.1 } else { 0.0 };
+                Attempt::Accepted
             }
-            None => damping = (damping * DAMPING.1).max(DAMPING.0),
+            None => {
+                self.damping = (self.damping * DAMPING.1).max(DAMPING.0);
+                Attempt::Rejected
+            }
         }
-    };
-    (here.status, here.iterations, here.evaluations) = (status, iterations, evaluations);
-    here
+    }
 }

@@ -32,6 +32,28 @@ pub(in crate::io) struct Place {
     passed: f64,
 }
 
+impl Place {
+    /// Times of a calendar, `factor` seconds each, from the first row of all on.
+    fn count_from_start(&mut self, times: &mut [f64], factor: f64) {
+        // a row without a time may come first
+        let start = times.iter().copied().find(|t| t.is_finite()).unwrap_or_default();
+        if self.first == 0 && (factor * start).abs() > CALENDAR {
+            self.start = start;
+        }
+        if self.start != 0.0 {
+            times.iter_mut().for_each(|t| *t -= self.start);
+        }
+    }
+
+    /// Times from steps \[s\]; a row without a step is one without a time.
+    fn add_steps(&mut self, steps: &mut [f64]) {
+        for t in steps {
+            self.passed += if t.is_finite() { *t } else { 0.0 };
+            *t = if t.is_finite() { self.passed } else { f64::NAN };
+        }
+    }
+}
+
 /// The columns of a block of rows, in the units of the contract.
 pub(in crate::io) fn channels(
     path: &Path,
@@ -54,27 +76,14 @@ pub(in crate::io) fn channels(
             let others = held(numbers(path, frame, other, place.first)?);
             values.iter_mut().zip(others).for_each(|(x, other)| *x += other);
         }
-        // a row without a time may come first
-        let start = values.iter().copied().find(|t| t.is_finite()).unwrap_or_default();
-        if key == "t"
-            && place.first == 0
-            && !columns.get("t").sum
-            && (factor * start).abs() > CALENDAR
-        {
-            place.start = start;
-        }
-        if key == "t" && place.start != 0.0 {
-            values.iter_mut().for_each(|t| *t -= place.start);
+        if key == "t" && !columns.get("t").sum {
+            place.count_from_start(&mut values, factor);
         }
         if (factor, offset) != (1.0, 0.0) {
             values.iter_mut().for_each(|x| *x = factor * *x + offset);
         }
         if key == "t" && columns.get("t").sum {
-            for t in &mut values {
-                // a row without a step is one without a time
-                place.passed += if t.is_finite() { *t } else { 0.0 };
-                *t = if t.is_finite() { place.passed } else { f64::NAN };
-            }
+            place.add_steps(&mut values);
         }
         if let (Some(part), "t") = (&part, key) {
             values.iter_mut().zip(part).for_each(|(t, part)| *t += part);

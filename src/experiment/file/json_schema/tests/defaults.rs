@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::{keys, pointed, schema_value};
-use crate::experiment::file::ExperimentFile;
+use crate::experiment::file::{CustomParameter, ExperimentFile};
 use crate::experiment::resolve::resolve;
 use crate::{diagnose, effects, identify};
 
@@ -45,6 +45,16 @@ fn every_default_of_a_section_in_the_schema_is_that_of_the_code() {
         };
         assert_eq!(read(written), read(short), "[{section}]");
     }
+}
+
+#[test]
+fn every_default_of_a_custom_parameter_in_the_schema_is_that_of_the_code() {
+    let schema = schema_value();
+    let place = "/model/custom/items/parameters/additionalProperties";
+    let (written, without) = defaults(pointed(&schema, place));
+    assert!(without.is_empty(), "{without:?}: no default in the schema");
+    let read = |table: toml::Table| format!("{:?}", table.try_into::<CustomParameter>().unwrap());
+    assert_eq!(read(written), format!("{:?}", CustomParameter::default()));
 }
 
 #[test]
