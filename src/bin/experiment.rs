@@ -114,8 +114,8 @@ enum Command {
     },
     /// Check files and recordings without fitting, and show the settings.
     Check {
-        /// Experiment files.
-        #[arg(required = true, value_name = "FILE.toml")]
+        /// Experiment files, or recordings.
+        #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
         /// Override a key of the files.
         #[arg(long, value_name = "KEY=VALUE")]
@@ -261,8 +261,8 @@ fn print_or_unknown(text: Option<String>, kind: &str, name: &str, known: Vec<Str
 
 fn check(files: &[PathBuf], set: &[String]) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
-    for file in files {
-        match experiment::check(file, set) {
+    for checked in experiment::check(files, set) {
+        match checked {
             Ok(text) => drop(print(&text)),
             Err(e) => code = complain(&e),
         }

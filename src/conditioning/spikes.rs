@@ -18,7 +18,7 @@ use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::quantum;
 use crate::math::{NormalEquations, cumulative_trapezoid, robust_deviation};
-use crate::recording::refreshed;
+use crate::recording::{refreshed, steps_before};
 
 /// See above.
 const FAR: f64 = 18.0;
@@ -39,7 +39,7 @@ pub(super) struct Spike {
     out: f64,
 }
 
-/// Angles and speeds.
+/// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row.
 pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     let fresh = refreshed(&work.channels);
     let samples: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
@@ -50,7 +50,11 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
                 _ => work.channels.omega.as_ref(),
             };
             let Some(values) = values.map(|v| column(v, i)) else { continue };
-            let found = spikes(&work.channels.t, &values, &samples);
+            let mut found = spikes(&work.channels.t, &values, &samples);
+            {
+                let steps = steps_before(&work.channels.torque);
+                found.retain(|spike| !steps(spike.rows.start));
+            }
             correct(work, settings, name, &found);
         }
     }

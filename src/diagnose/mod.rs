@@ -14,6 +14,7 @@ mod input_timing;
 mod joint;
 mod judge;
 mod next_run;
+mod onset;
 mod outcome;
 mod phases;
 mod regression;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
 use super::input_timing::{InputTiming, SYMBOL};
+use super::onset::latest_dead_time;
 use super::regression::{Regression, Smoothed};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
@@ -62,7 +63,8 @@ impl Timing {
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
-/// the torques over the whole range, then by simulation. `None` where the motion does not carry it.
+/// the torques over the whole range, then by simulation. `None` where the motion does not carry it, or where it began
+/// earlier after a step from rest.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
 /// speed; a simulation stops and breaks away by itself.
@@ -78,7 +80,12 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let shift = simulated.and_then(|s| s.shift);
     let (dead_time_s, std_error_s) =
         shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
-    let late = dead_time_s - THRESHOLDS.uncertain * std_error_s > scale.logging;
+    let earliest = dead_time_s - THRESHOLDS.uncertain * std_error_s;
+    // a motion that began before contradicts the time: the model lacks what it stands for
+    if latest_dead_time(recordings).is_some_and(|latest| earliest > latest) {
+        return None;
+    }
+    let late = earliest > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
     let something_else =

@@ -1,22 +1,38 @@
 //! `experiment check`: the settings of a file and the quality of its recordings, without fitting.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use super::execute::load;
+use super::execute::{is_toml, load, load_recordings};
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan};
 use crate::conditioning::{Stated, stated};
+use crate::identify::start::start;
+use crate::identify::{IdentifyError, Task};
+use crate::io::exists;
 use crate::recording::{Finding, Issue, StatedIssue};
 use crate::report::{dead_time, dead_time_advice};
 use crate::robot::Robot;
+use crate::study::Role;
 
-/// Validates a file and its recordings and describes the experiment.
+/// Validates experiment files and their recordings and describes each experiment. Recordings are described
+/// together, as the experiment that `experiment new` would write for them.
 ///
 /// # Errors
-/// Errors in the file or its recordings.
-pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
-    let plan = load(file, set)?;
+/// Each with the errors in the file or its recordings.
+#[must_use]
+pub fn check(files: &[PathBuf], set: &[String]) -> Vec<Result<String, ExperimentError>> {
+    let is_recording = |file: &&PathBuf| !is_toml(file) && exists(file);
+    let recordings: Vec<PathBuf> = files.iter().filter(is_recording).cloned().collect();
+    let written = files.iter().filter(|file| !is_recording(file));
+    let mut out: Vec<_> = written.map(|file| Ok(described(&load(file, set)?, file))).collect();
+    if let Some(first) = recordings.first() {
+        out.push(load_recordings(&recordings, set).map(|plan| described(&plan, first)));
+    }
+    out
+}
+
+fn described(plan: &Plan, file: &Path) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "{}: {}", file.display(), plan.title);
     let _ = writeln!(out, "  robot       {}", plan.model.robot().name);
@@ -34,13 +50,16 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
     if let Some(units) = &plan.assumed {
         let _ = writeln!(out, "  units       {units}");
     }
-    conditioning(&plan, &mut out);
+    conditioning(plan, &mut out);
     let robot = plan.model.robot();
     for warning in plan.remarks_and_findings() {
         let _ = writeln!(out, "  warning     {warning}");
     }
     for (names, note) in plan.grouped(|m| notes(m, robot), StatedIssue::join) {
         let _ = writeln!(out, "  note        {names}: {note}");
+    }
+    if let Err(reason) = initial_values(plan) {
+        let _ = writeln!(out, "  warning     {reason}");
     }
     let methods: Vec<&str> = plan.methods.iter().map(|m| m.name.as_str()).collect();
     let _ = writeln!(out, "  methods     {}", methods.join(", "));
@@ -50,7 +69,14 @@ pub fn check(file: &Path, set: &[String]) -> Result<String, ExperimentError> {
         let _ = writeln!(out, "  grid        {} combinations: {}", grid.cells(), grid.words());
     }
     let _ = writeln!(out, "  next        experiment {}", file.display());
-    Ok(out)
+    out
+}
+
+/// Whether the training recordings give initial values of the parameters, from which the methods start.
+fn initial_values(plan: &Plan) -> Result<(), IdentifyError> {
+    let train = plan.of(Role::Train);
+    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    if train.is_empty() { Ok(()) } else { start(&task, "initial values").map(drop) }
 }
 
 fn recording(measured: &MeasuredRecording, out: &mut String) {

@@ -79,7 +79,7 @@ pub fn load_all(
     if errors.is_empty() { Ok(plans) } else { Err(errors) }
 }
 
-fn is_toml(file: &Path) -> bool {
+pub(super) fn is_toml(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 

@@ -81,6 +81,11 @@ impl<'m> Stepper<'m> {
         &self.forces
     }
 
+    /// [`Forces::damping_rate`], the largest so far [1/s].
+    pub(super) fn damping_rate(&self) -> f64 {
+        self.rate.0
+    }
+
     /// Sets the state of the robot.
     pub(super) fn place(&mut self, state: State) {
         self.y = at_rest_within(state);

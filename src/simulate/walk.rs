@@ -50,6 +50,11 @@ impl<'m> Walk<'m> {
         self.stepper.forces().inverse
     }
 
+    /// The fastest rate of torques that depend on the speeds, so far [1/s].
+    pub(crate) fn damping_rate(&self) -> f64 {
+        self.stepper.damping_rate()
+    }
+
     /// Derivatives of (alpha1, alpha2, omega1, omega2) after the sample with respect to parameter `j`.
     #[inline]
     pub(crate) fn by_parameter(&self, j: usize) -> [f64; 4] {

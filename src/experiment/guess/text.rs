@@ -80,7 +80,7 @@ impl Guess {
         if self.one_axis {
             let _ = writeln!(
                 out,
-                "  one axis is used for both wheels: only a1 + a2 and the friction are identifiable"
+                "  one axis is used for both wheels: a1 is its inertia, a2 and a3 are fixed at zero"
             );
         }
         for question in &self.questions {

@@ -8,6 +8,8 @@ use super::{Finding, Issue, Quantity, Severity, quantile};
 const SPIKE: f64 = 8.0;
 /// Share of the largest values excluded when the ordinary deviation is estimated.
 const RARE: f64 = 0.02;
+/// Smallest step of an input, as a share of its range.
+const STEP: f64 = 0.25;
 /// Smallest jump of an angle \[rad\].
 const JUMP: f64 = 0.3;
 /// A limit is reached in at least this many samples and this share of them.
@@ -86,6 +88,22 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
     if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
 }
 
+/// Whether the input of a wheel steps in row `k` or in one of the two before it, by more than a quarter of its range (judgement):
+/// a robot that is fast against the rows may then deviate from its neighbours for a single row.
+pub(crate) fn steps_before(torque: &[[f64; 2]]) -> impl Fn(usize) -> bool {
+    let range = [0, 1].map(|i| {
+        let at = |share| quantile(torque.iter().map(|m| m[i]), share);
+        at(0.99) - at(0.01)
+    });
+    move |k| {
+        let steps = |j: usize| {
+            let change = |i: usize| (torque[j][i] - torque[j - 1][i]).abs();
+            (0..2).any(|i| change(i) > STEP * range[i])
+        };
+        (k.saturating_sub(2).max(1)..=k).any(steps)
+    }
+}
+
 fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Option<Finding> {
     let sizes = || values.windows(3).map(|w| zigzag(w, i));
     let positive = || sizes().filter(|z| *z > 0.0);
@@ -94,8 +112,14 @@ fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Op
     let limit = (SPIKE * quantile(positive(), 0.5))
         .max(2.0 * ordinary)
         .max(if channel == Quantity::Input { 0.15 } else { 0.05 } * range);
-    let found: Vec<usize> =
-        sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
+    let steps = steps_before(r.torque());
+    let moved = |k: &usize| channel != Quantity::Input && steps(*k);
+    let found: Vec<usize> = sizes()
+        .enumerate()
+        .filter(|(_, z)| *z > limit)
+        .map(|(k, _)| k + 1)
+        .filter(|k| !moved(k))
+        .collect();
     let first = *found.first()?;
     let around = [first - 1, first, first + 1].map(|k| values[k][i]);
     let severity = if channel == Quantity::Input { Severity::Note } else { Severity::Warning };

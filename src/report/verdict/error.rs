@@ -18,8 +18,8 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     match (found, ratio <= THRESHOLDS.at_floor) {
         (_, true) if ratio < FAR_BELOW_FLOOR => format!(
             "{with} 2 s simulation error is {ratio:.2} times the noise floor. The floor is only an upper \
-             bound here, because it contains the largest possible effect of the unknown input between the \
-             rows."
+             bound here: it contains the largest possible effects of noise of the input, estimated from its changes from \
+             row to row, and of the input between the rows."
         ),
         (1.., true) if errors.was_at_floor() => format!(
             "{} influence on this motion is small: the 2 s simulation error was at the noise floor before and falls by {}.",
