@@ -48,7 +48,8 @@ pub(super) fn windows_across_reversals(
     let rest = REST * recording.top_speed();
     let omega = recording.omega();
     windows_where(recording, half_width, per_half, |samples| {
-        let allowed = SLOW * samples.len() as f64;
+        // where nothing moves there is no speed to compare with
+        let allowed = if rest > 0.0 { SLOW * samples.len() as f64 } else { -1.0 };
         let slow = |i: usize| samples.clone().filter(|&k| omega[k][i].abs() < rest).count();
         (0..2).all(|i| slow(i) as f64 <= allowed)
     })

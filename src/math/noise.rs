@@ -15,7 +15,7 @@ const EQUAL_SHARE: f64 = 0.05;
 const MULTIPLE_SHARE: f64 = 0.95;
 /// How far a change may be from a multiple, as a share of itself: numbers printed with few digits.
 const PRINTED: f64 = 0.02;
-/// The same in steps, where the step is known from many changes: a continuous signal has one change in five within it.
+/// How far a value may be from a multiple, in steps: a continuous signal has one value in five within it.
 const ROUNDED: f64 = 0.1;
 
 /// Variance of the white noise on smooth signals, from their fourth differences.
@@ -97,24 +97,31 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
     grid(signal).filter(|_| equal as f64 >= EQUAL_SHARE * signal.len() as f64)
 }
 
-/// The smallest change of a signal if 19 of 20 changes are integer multiples of it: the step of a quantised
-/// signal, which may change in every row. Values printed with few digits have changes on both sides of the step (2.0 and
-/// 2.1 for 2.08): then it is the step on which they lie best.
+/// The step of a quantised signal, which may change in every row: one on which 19 of 20 values lie, or the smallest
+/// change if 19 of 20 changes are multiples of it. Values printed with few digits have changes on both sides of the step
+/// (2.0 and 2.1 for 2.08).
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
-    let step = smallest_change(signal)?;
-    let share = |step: f64, off: &dyn Fn(f64) -> f64| {
-        let ratio = |w: &[f64]| (w[1] - w[0]).abs() / step;
-        let on = |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < off(ratio(w));
-        signal.windows(2).filter(on).count() as f64 / signal.len() as f64
-    };
-    if share(step, &|ratio| PRINTED * ratio.max(1.0)) > MULTIPLE_SHARE {
-        return Some(step);
-    }
+    let least = smallest_change(signal)?;
+    let ratio = |w: &[f64]| (w[1] - w[0]).abs() / least;
+    let multiple =
+        |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < PRINTED * ratio(w).max(1.0);
+    let multiples = signal.windows(2).filter(multiple).count();
+    let is_multiple = multiples as f64 > MULTIPLE_SHARE * signal.len() as f64;
+    of_values(signal, least).or_else(|| is_multiple.then_some(least))
+}
+
+/// The step, near the smallest change `least`, on which 19 of 20 values lie, counted from the first.
+fn of_values(signal: &[f64], least: f64) -> Option<f64> {
     let mut changes: Vec<f64> = signal.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-    changes.retain(|change| *change > 0.0);
-    changes.sort_by(f64::total_cmp);
-    let step = step_of_grid(&changes, step);
-    (share(step, &|_| ROUNDED) > MULTIPLE_SHARE).then_some(step)
+    let mut ways: Vec<f64> = signal.iter().map(|v| (v - signal[0]).abs()).collect();
+    for sizes in [&mut changes, &mut ways] {
+        sizes.retain(|size| *size > 0.0);
+        sizes.sort_by(f64::total_cmp);
+    }
+    let step = step_of_grid(&ways, step_of_grid(&changes, least));
+    let on = |way: &&f64| (*way / step - (*way / step).round()).abs() < ROUNDED;
+    let share = ways.iter().filter(on).count() as f64 / ways.len() as f64;
+    (share > MULTIPLE_SHARE).then_some(step)
 }
 
 /// The step, near `step`, of a grid on which `sizes`, ascending, lie: larger multiples determine it more accurately.

@@ -220,13 +220,13 @@ mod tests {
             let c = Channels { t, alpha: Some(alpha), omega: Some(omega), torque };
             Recording::new("x", c, DriveUnit::NewtonMetre).unwrap()
         };
-        // at 120 rad/s and 100 Hz the fourth differences are of the motion
+        // at 120 rad/s and 100 Hz the fourth differences are of the motion; the speeds are those of a linear model
         let (mut long, mut short) = (recorded(30, 1.0), recorded(2, 120.0));
-        assert!(short.noise().omega[0] > 0.04, "{:?}", short.noise());
+        assert!(short.noise().alpha[0] > 0.04, "{:?}", short.noise());
         let before = long.noise();
         share_noise(&mut [&mut long, &mut short]);
         assert_eq!(long.noise(), before);
-        assert_eq!(short.noise().omega, before.omega);
+        assert!((0..2).all(|i| short.noise().omega[i] <= before.omega[i]));
         assert_eq!(short.noise().alpha, before.alpha);
     }
 }

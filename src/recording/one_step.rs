@@ -7,7 +7,7 @@ use crate::math::least_squares::fit_above;
 use crate::math::{sgn, trimmed_mean_square};
 
 /// Number of coefficients of a wheel.
-const COLUMNS: usize = 11;
+const COLUMNS: usize = 9;
 /// Fewest rows per coefficient, and number of rows that is sufficient for a variance.
 const FEWEST: usize = 10;
 const ENOUGH: usize = 5000;
@@ -21,7 +21,7 @@ const RANK: f64 = 1e-8;
 /// Upper limit of the standard deviation of the noise of the speeds, right wheel first [rad/s]: the residual of
 ///
 /// ```text
-/// ω(k+1) = Φ ω(k) + Γ0 M(k) + Γ1 M(k+1) - C0 sgn ω(k) - C1 sgn ω(k+1) + c,   Var = (1 + φ'φ) σ² + what the model lacks
+/// ω(k+1) = Φ ω(k) + Γ0 M(k) + Γ1 M(k+1) - C sgn ω(k) + c,   Var = (1 + φ'φ) σ² + what the model lacks
 /// ```
 /// Fourth differences take the response to steps of the input for noise if a log is slow compared with the robot; this model,
 /// exact for linear dynamics and an input that is held or linear between rows, does not. The noise of ω(k+1) is
@@ -47,7 +47,6 @@ pub(super) fn most_noise_of_speeds(recording: &Recording) -> [f64; 2] {
             1 => torque[k][i],
             2 => torque[k + 1][i],
             3 => sgn(omega[k][i]),
-            4 => sgn(omega[k + 1][i]),
             _ => 1.0,
         }
     };
