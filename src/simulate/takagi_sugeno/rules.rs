@@ -20,9 +20,30 @@ pub(crate) struct Rules<const N: usize> {
     constant: [[f64x2; N]; N],
     /// Slopes of the consequents in w1 and w2, where they have any.
     affine: Option<Box<[[[f64x2; 2]; N]; N]>>,
-    /// The grades if they are powers, with the constant consequents times the quotients of their functions: the
-    /// outputs are then quotients of polynomials.
-    powers: Option<Box<(Progression<f64x2, N>, [[f64x2; N]; N])>>,
+    /// The outputs as quotients of polynomials, if the grades are powers and the consequents constant.
+    powers: Option<Box<Powers<N>>>,
+}
+
+/// Grades that are powers of one number per input, and the consequents times the quotients of their functions.
+struct Powers<const N: usize> {
+    progression: Progression<f64x2, N>,
+    consequents: [[f64x2; N]; N],
+}
+
+impl<const N: usize> Powers<N> {
+    /// Both outputs: Σ_i Σ_j c_ij r1^i r2^j over the sums of the grades of both inputs.
+    #[inline(always)]
+    fn output(&self, x: f64x2) -> f64x2 {
+        let r = self.progression.ratio(x);
+        let [first, second] = r.to_array().map(f64x2::splat);
+        let totals = polynomial(r, &self.progression.quotient).to_array();
+        let mut rows = [f64x2::ZERO; N];
+        for i in 0..N {
+            rows[i] = polynomial(second, &self.consequents[i]);
+        }
+        // the reciprocal is computed while the outputs are summed up
+        polynomial(first, &rows) * f64x2::splat(1.0 / (totals[0] * totals[1]))
+    }
 }
 
 /// An operation on the rules of a system with any number of rules.
@@ -86,10 +107,11 @@ impl<const N: usize> Rules<N> {
         let range = system.range();
         let grades = Grades::new([&inputs[0], &inputs[1]], average, f64x2::new);
         let constant = std::array::from_fn(|i| std::array::from_fn(|j| consequent(i, j, 0)));
-        let times_quotients = |powers: Progression<f64x2, N>| {
-            let [a, b] = split(&powers.quotient);
+        let times_quotients = |progression: Progression<f64x2, N>| {
+            let [a, b] = split(&progression.quotient);
             let one = |i: usize, j: usize| consequent(i, j, 0) * a[i] * b[j];
-            Box::new((powers, std::array::from_fn(|i| std::array::from_fn(|j| one(i, j)))))
+            let consequents = std::array::from_fn(|i| std::array::from_fn(|j| one(i, j)));
+            Box::new(Powers { progression, consequents })
         };
         let powers = grades.progression().filter(|_| affine.is_none()).map(times_quotients);
         Self {
@@ -156,7 +178,7 @@ impl<const N: usize> Rules<N> {
     pub(crate) fn output(&self, omega: f64x2) -> f64x2 {
         let x = self.clamped(omega);
         if let Some(powers) = &self.powers {
-            return quotient(&powers.0, &powers.1, x);
+            return powers.output(x);
         }
         let grades = self.grades.at(x);
         let sum = self.weighed(&grades, x);
@@ -243,24 +265,6 @@ impl<const N: usize> Rules<N> {
         }
         Slopes { strength, value, by }
     }
-}
-
-/// Σ_i Σ_j c_ij r1^i r2^j over the sums of the grades of both inputs.
-#[inline(always)]
-fn quotient<const N: usize>(
-    progression: &Progression<f64x2, N>,
-    consequents: &[[f64x2; N]; N],
-    x: f64x2,
-) -> f64x2 {
-    let r = progression.ratio(x);
-    let [first, second] = r.to_array().map(f64x2::splat);
-    let [total_first, total_second] = polynomial(r, &progression.quotient).to_array();
-    let mut rows = [f64x2::ZERO; N];
-    for i in 0..N {
-        rows[i] = polynomial(second, &consequents[i]);
-    }
-    // the reciprocal is computed while the outputs are summed up
-    polynomial(first, &rows) * f64x2::splat(1.0 / (total_first * total_second))
 }
 
 /// The numbers of the first input, and those of the second, each in both places.
