@@ -55,8 +55,8 @@ fn score_and_information_of_a_second_body_equal_finite_differences() {
         let recording = curves(&model, &p, 1, NOISE);
         let (score, information) =
             off_differences(&model, &p, &known(&recording), process(NOISE.torque));
-        // the derivatives leave out that of the gain, which inertias change by percents, as without a second body, and
-        // the coupling more: of a tenth of a standard deviation
+        // the derivatives leave out that of the gain, which depends on inertias, as without a second body, and on the
+        // coupling: about a tenth of a standard deviation
         let (base, coupling) = (score.rows(0, COUNT), score.rows(COUNT, own.len()));
         assert!(base.amax() < 0.1 && coupling.amax() < 0.25, "{id} {score}");
         assert!(information.amax() < 0.05, "{id} {information}");
@@ -79,7 +79,6 @@ fn innovations_of_a_second_body_are_white_and_p_values_uniform() {
         let far = |of: fn(&Shown) -> f64| distance(&right, of);
         let [white, score, missing] =
             [far(|s| s.whiteness), far(|s| s.parameters), far(|s| s.missing)];
-        println!("XX {id} {mean} {white} {score} {missing}");
         // as of the rigid robot; 100 sets of 2000 values scatter by 0.003
         assert!((mean - 0.99).abs() < 0.012, "{id} {mean}");
         assert!(
