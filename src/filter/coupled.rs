@@ -5,9 +5,8 @@ mod robot;
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use part::{Part, Sides};
 pub(super) use robot::Coupled;
-use robot::{BODY, STATES, TWIST};
+use robot::{BODY, Part, STATES, Sides, TWIST};
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean, STILL, add_torque_noise};
