@@ -45,12 +45,27 @@ impl ScoreSums {
         }
     }
 
-    /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`.
-    #[inline]
-    pub fn add(&mut self, psi: impl IntoIterator<Item = f64>, weight: f64, e: f64) {
+    /// Where the derivatives of the next prediction are to be written, before [`ScoreSums::add`].
+    pub fn next_row(&mut self) -> &mut [f64] {
+        let first = if self.columns > 0 { self.count * self.width } else { 0 };
+        &mut self.rows[first..][..self.columns]
+    }
+
+    /// Adds one innovation `e` of variance `s`, whose derivatives stand in [`ScoreSums::next_row`].
+    pub fn add(&mut self, e: f64, s: f64) {
         if self.columns > 0 {
-            let row = &mut self.rows[self.count * self.width..][..self.columns];
-            row.iter_mut().zip(psi).for_each(|(out, psi)| *out = weight * psi);
+            let weight = 1.0 / s.sqrt();
+            let row = &mut self.rows[self.count * self.width..][..self.width];
+            row.iter_mut().for_each(|v| *v *= weight);
+            self.gather(e * weight);
+        }
+    }
+
+    /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`.
+    pub fn add_row(&mut self, psi: &[f64], weight: f64, e: f64) {
+        if self.columns > 0 {
+            let row = self.next_row().iter_mut();
+            row.zip(psi).for_each(|(out, psi)| *out = weight * psi);
             self.gather(e);
         }
     }
@@ -125,8 +140,8 @@ mod tests {
             for k in 0..1000 {
                 let psi: Vec<f64> = (0..columns).map(|c| number(k * columns + c)).collect();
                 let (e, s) = (number(7 * k), 1.5 + number(k));
-                let weight = 1.0 / f64::sqrt(s);
-                sums.add(psi.iter().copied(), weight, weight * e);
+                sums.next_row().copy_from_slice(&psi);
+                sums.add(e, s);
                 let psi = DVector::from(psi);
                 h += &psi * psi.transpose() / s;
                 g += psi * (e / s);

@@ -5,9 +5,8 @@ mod robot;
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use part::{Part, Sides};
 pub(super) use robot::Coupled;
-use robot::{BODY, STATES, TWIST};
+use robot::{BODY, Part, STATES, Sides, TWIST};
 
 use super::ProcessNoise;
 use super::correction::{Covariance, Mean, STILL, add_torque_noise};
@@ -164,25 +163,37 @@ impl<'a> Coupled<'a> {
 }
 
 impl Body<STATES> for Coupled<'_> {
-    /// The body starts with the speeds of the wheels, with a variance of slip and twist that the input can
-    /// cause.
+    /// The body starts with the speeds of the wheels, with a variance of slip and twist that input and friction, M, can
+    /// cause:
+    ///
+    /// ```text
+    /// spring k:    φ = M/k,   w - u = φ sqrt(k (1/J_r + 1/(A - J_r)))   (free oscillation)
+    /// slip:        w - u = M/c
+    /// ```
     fn start(
         &mut self,
         input: &[f64; 2],
         mean: &mut Mean<STATES>,
         covariance: &mut Covariance<STATES>,
     ) {
-        let joint = self.sides(0.0, mean).map(|sides| sides.coupling);
-        let part = |value: f64, by: f64| if by > 0.0 { (value / by).powi(2) } else { 0.0 };
+        let sides = self.sides(0.0, mean);
+        let square = |value: f64, by: f64| if by > 0.0 { (value / by).powi(2) } else { 0.0 };
         for i in 0..2 {
             mean[BODY + i] = mean[2 + i];
-            let Ok(joint) = &joint else { continue };
+            let Ok(sides) = &sides else { continue };
+            let Coupling { stiffness, damping, .. } = sides.coupling;
+            let torque = input[i].abs() + sides.level[i].max(0.0);
+            let twist = square(torque, stiffness);
+            let slip = if stiffness > 0.0 {
+                twist * stiffness * (1.0 / sides.rotor + sides.mobility[(i, i)])
+            } else {
+                square(torque, damping)
+            };
             let spread = covariance[(2 + i, 2 + i)];
             covariance[(BODY + i, 2 + i)] = spread;
             covariance[(2 + i, BODY + i)] = spread;
-            let soft = if joint.stiffness > 0.0 { 0.0 } else { part(input[i], joint.damping) };
-            covariance[(BODY + i, BODY + i)] = spread + soft + STILL;
-            covariance[(TWIST + i, TWIST + i)] = part(input[i], joint.stiffness) + STILL;
+            covariance[(BODY + i, BODY + i)] = spread + slip + STILL;
+            covariance[(TWIST + i, TWIST + i)] = twist + STILL;
         }
     }
 

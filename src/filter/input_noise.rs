@@ -3,7 +3,7 @@
 
 use nalgebra::{DVector, Matrix2, SMatrix};
 
-use super::correction::{Covariance, Mean};
+use super::correction::Covariance;
 
 /// Expected score at the true parameters, accumulated during a pass.
 ///
@@ -57,11 +57,11 @@ impl<const N: usize> InputNoise<N> {
         }
     }
 
-    /// Over one correction of state `i`, whose innovation has variance `s` and covariance `states` with the states.
-    pub(super) fn correct(&mut self, i: usize, s: f64, states: &Mean<N>) {
+    /// Over one correction of state `i` with innovation variance `s` and the covariance before it.
+    pub(super) fn correct(&mut self, i: usize, s: f64, covariance: &Covariance<N>) {
         let mut keep = Covariance::<N>::identity();
         for k in 0..N {
-            keep[(k, i)] -= states[k] / s;
+            keep[(k, i)] -= covariance[(k, i)] / s;
         }
         for (j, _) in &self.slopes {
             let cross = &mut self.cross[*j];

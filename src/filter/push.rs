@@ -74,6 +74,7 @@ impl Push {
     }
 
     /// `F P F'`.
+    #[inline]
     pub(super) fn spread(&self, p: &Covariance<6>) -> Covariance<6> {
         let block = |i: usize, k: usize| p.fixed_view::<2, 2>(2 * i, 2 * k).into_owned();
         let (aa, aw, ad) = (block(0, 0), block(0, 1), block(0, 2));
@@ -125,6 +126,7 @@ impl Push {
 }
 
 /// A symmetric matrix from blocks of (alpha, omega), and of d with alpha, omega and d.
+#[inline]
 fn assembled([aa, aw, ww]: [Matrix2<f64>; 3], slow: [Matrix2<f64>; 3]) -> Covariance<6> {
     let mut out = Covariance::<6>::zeros();
     let mut set = |i: usize, k: usize, block: &Matrix2<f64>| {
@@ -146,6 +148,7 @@ fn assembled([aa, aw, ww]: [Matrix2<f64>; 3], slow: [Matrix2<f64>; 3]) -> Covari
 }
 
 /// Removes asymmetry by rounding.
+#[inline]
 fn symmetric(block: Matrix2<f64>) -> Matrix2<f64> {
     (block + block.transpose()) * 0.5
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::accumulate::ScoreSums;
-use super::correction::{CHANNELS, Channel, Covariance, Mean, Seen, channels, correct};
+use super::correction::{CHANNELS, Channel, Covariance, Mean, channels, correct};
 use super::dynamics::Dynamics;
 use super::input_noise::InputNoise;
 use super::prepare::Prepared;
@@ -86,9 +86,6 @@ pub(super) struct Run<'a, D, const N: usize> {
     slopes: Option<InputSlopes>,
     /// Torques of the columns.
     extra: Vec<[f64; 2]>,
-    /// Derivatives of the predictions of a row.
-    predicted: Vec<[f64; CHANNELS]>,
-    seen: [Seen<N>; CHANNELS],
     information: ScoreSums,
     log_variance: LogProduct,
     square: f64,
@@ -121,8 +118,6 @@ impl<'a, D: Dynamics<N>, const N: usize> Run<'a, D, N> {
             psi: vec![[0.0; N]; width],
             slopes: derivatives.map(|_| slopes),
             extra: vec![[0.0; 2]; columns],
-            predicted: vec![[0.0; CHANNELS]; width],
-            seen: [Seen::nothing(); CHANNELS],
             information: ScoreSums::new(width),
             log_variance: LogProduct::new(),
             square: 0.0,
@@ -152,6 +147,7 @@ impl<'a, D: Dynamics<N>, const N: usize> Run<'a, D, N> {
     }
 
     /// Moves on to row `k`.
+    #[inline]
     pub(super) fn row(&mut self, k: usize, drive: &impl Drive) -> Result<(), ModelError> {
         let derivatives = self.slopes.is_some();
         let sample = drive.sample(k, self.slopes.as_mut());
@@ -172,26 +168,30 @@ impl<'a, D: Dynamics<N>, const N: usize> Run<'a, D, N> {
         Ok(())
     }
 
+    #[inline]
     fn measure(&mut self, k: usize) {
         let recording = self.prepared.recording;
         let ([a1, a2], [w1, w2]) = (recording.alpha()[k], recording.omega()[k]);
-        let state = (&mut self.mean, &mut self.covariance);
-        let (channels, seen) = (&self.channels, &mut self.seen);
-        correct(channels, &[a1, a2, w1, w2], state, &mut self.psi, &mut self.predicted, seen);
-        for (j, (channel, seen)) in channels.iter().zip(&*seen).enumerate() {
-            // the difference of the wheels of a single axis contains no information
-            let Some(number) = channel.value else { continue };
+        let values = [a1, a2, w1, w2];
+        let (mean, covariance, psi) = (&mut self.mean, &mut self.covariance, &mut self.psi);
+        for channel in &self.channels {
+            let row = self.information.next_row();
+            let Some(number) = channel.value else {
+                // the difference of the wheels of a single axis contains no information
+                correct(channel, 0.0, mean, covariance, psi, row);
+                continue;
+            };
             if let Some(input_noise) = &mut self.input_noise {
-                input_noise.correct(number, seen.s, &seen.states);
+                let s = covariance[(number, number)] + channel.variance;
+                input_noise.correct(number, s, covariance);
             }
+            let (e, s) = correct(channel, values[number], mean, covariance, psi, row);
             self.count += 1.0;
-            self.square += seen.e * (seen.e * seen.share);
-            self.log_variance.add(seen.s);
-            let psi = self.predicted.iter().map(|predicted| predicted[j]);
-            self.information.add(psi, seen.weight, seen.e * seen.weight);
+            self.square += e * (e / s);
+            self.log_variance.add(s);
+            self.information.add(e, s);
             if let Some(innovations) = &mut self.innovations {
-                let (value, variance) = (seen.e, seen.s);
-                innovations.push(Innovation { row: k, channel: number, value, variance });
+                innovations.push(Innovation { row: k, channel: number, value: e, variance: s });
             }
         }
     }

@@ -190,18 +190,20 @@ impl<B: Body<N>, const N: usize> Dynamics<N> for Step<B> {
 
     #[inline]
     fn carry(&self, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; N]]) {
-        let (by_parameter, by_column) = psi.split_at_mut(self.body.parameters());
-        let carry = |column: &mut [f64; N], j: Option<usize>, torque: [f64; 2]| {
+        let parameters = self.body.parameters();
+        for (j, column) in psi.iter_mut().enumerate() {
+            let (parameter, torque) = match j.checked_sub(parameters) {
+                None => (Some(j), sample.by_parameter.get(j).copied().unwrap_or([0.0; 2])),
+                Some(c) => (None, extra[c]),
+            };
             let old = *column;
-            *column = self.body.carried(&old, j, torque);
-            for i in (0..2).filter(|&i| sample.still[i]) {
-                (column[i], column[2 + i]) = (old[i], 0.0);
+            *column = self.body.carried(&old, parameter, torque);
+            for i in 0..2 {
+                if sample.still[i] {
+                    (column[i], column[2 + i]) = (old[i], 0.0);
+                }
             }
-        };
-        for (j, column) in by_parameter.iter_mut().enumerate() {
-            carry(column, Some(j), sample.by_parameter.get(j).copied().unwrap_or([0.0; 2]));
         }
-        by_column.iter_mut().zip(extra).for_each(|(column, torque)| carry(column, None, *torque));
     }
 
     fn mass_slopes(&mut self, predicted: &Predicted) -> Vec<(usize, Matrix2<f64>)> {

@@ -200,7 +200,7 @@ impl<'a> Problem<'a> {
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     cost += 0.5 * residual[i] * residual[i];
-                    sums.add(derivatives[i * stride..].iter().copied(), weight[i], residual[i]);
+                    sums.add_row(&derivatives[i * stride..], weight[i], residual[i]);
                 }
             })
             .ok()?;

@@ -1,6 +1,17 @@
 //! The loop of damped Gauss-Newton methods.
 
-use super::MinimumStatus;
+/// How a minimisation ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MinimumStatus {
+    /// The expected decrease fell below the tolerance.
+    Converged,
+    /// The allowed number of steps was taken.
+    MaxIterations,
+    /// No step, however short, lowers the cost: rounding, or inconsistent gradient and cost.
+    Stalled,
+    /// The cost could not be computed at the start, or start, bounds and gradient differ in length.
+    NoStart,
+}
 
 /// What comes next in a search.
 pub(crate) enum Proposal<S> {
@@ -22,7 +33,7 @@ pub(crate) enum Attempt {
 
 /// A search by damped Gauss-Newton steps: score, information, damping and the criterion by which a step is accepted.
 pub(crate) trait DampedSearch {
-    /// A step.
+    /// What is tried: a place, a displacement or a share of one.
     type Step;
 
     /// The step from the present point after `accepted` steps, and after `rejected` failures since the last of them.

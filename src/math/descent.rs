@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+pub use super::damped::MinimumStatus;
 use super::damped::{Attempt, DampedSearch, Proposal, take_steps};
 
 /// A cost with its gradient and a positive semidefinite approximation of its Hessian (`J'J` of a
@@ -57,19 +58,6 @@ impl MinimiseOptions {
     fn tolerance(&self, cost: f64) -> f64 {
         self.absolute_tolerance.max(self.relative_tolerance * cost.abs())
     }
-}
-
-/// How a minimisation ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MinimumStatus {
-    /// The expected decrease fell below the tolerance.
-    Converged,
-    /// The allowed number of steps was taken.
-    MaxIterations,
-    /// No step, however short, lowers the cost: rounding, or inconsistent gradient and cost.
-    Stalled,
-    /// The cost could not be computed at the start, or start, bounds and gradient differ in length.
-    NoStart,
 }
 
 /// Result of a minimisation, with the curvature at the minimum.

@@ -103,8 +103,7 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let least = smallest_change(signal)?;
     let ratio = |w: &[f64]| (w[1] - w[0]).abs() / least;
-    let multiple =
-        |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < PRINTED * ratio(w).max(1.0);
+    let multiple = |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < PRINTED * ratio(w).max(1.0);
     let multiples = signal.windows(2).filter(multiple).count();
     let is_multiple = multiples as f64 > MULTIPLE_SHARE * signal.len() as f64;
     of_values(signal, least).or_else(|| is_multiple.then_some(least))

@@ -178,7 +178,9 @@ mod tests {
     fn a_fit_that_stalled_without_a1_determines_nothing() {
         let fit = |status, std_error| MethodStudy {
             status: Some(status),
-            estimates: vec![Estimate::new("a1", "kg m^2".into(), 9e16, std_error)],
+            estimates: ["a1", "a2"]
+                .map(|symbol| Estimate::new(symbol, "kg m^2".into(), 9e16, std_error))
+                .into(),
             ..MethodStudy::new("output_error", "", "", 0.0)
         };
         let stalled = fit(Status::Stalled, f64::INFINITY);

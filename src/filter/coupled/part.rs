@@ -2,36 +2,11 @@
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use super::robot::{BODY, Coupled, STATES, TWIST};
+use super::robot::{BODY, Coupled, Part, STATES, Sides, TWIST};
 use crate::effects::{Coupling, with_friction};
 use crate::filter::correction::{Covariance, Mean};
 use crate::filter::friction::Friction;
 use crate::filter::sample::Sample;
-
-/// Torques and masses at one instant.
-#[derive(Clone, Copy)]
-pub(super) struct Sides {
-    pub(super) coupling: Coupling<f64>,
-    pub(super) rotor: f64,
-    /// Inverse of the body's mass matrix.
-    pub(super) mobility: Matrix2<f64>,
-    pub(super) body_torque: [f64; 2],
-    pub(super) wheel_torque: [f64; 2],
-    pub(super) level: [f64; 4],
-}
-
-/// One part of a step.
-pub(super) struct Part {
-    pub(super) transition: Covariance<STATES>,
-    /// Map of a torque on the wheels.
-    pub(super) gain: SMatrix<f64, STATES, 2>,
-    /// Map of a torque on the body.
-    pub(super) body_gain: SMatrix<f64, STATES, 2>,
-    pub(super) shift: Mean<STATES>,
-    /// At the start of the part [rad/s^2].
-    pub(super) wheel_acceleration: [f64; 2],
-    pub(super) body_acceleration: [f64; 2],
-}
 
 /// The rows of (w1, w2, u1, u2) in a Jacobian by all states.
 type FastRows = SMatrix<f64, 4, STATES>;

@@ -1,9 +1,8 @@
 //! The robot with a second body as the filter holds it.
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix2, SMatrix};
 
-use super::part::{Part, Sides};
-use crate::effects::{Jet, Terms};
+use crate::effects::{Coupling, Jet, Terms};
 use crate::filter::correction::{Covariance, Mean};
 use crate::model::Model;
 
@@ -13,6 +12,31 @@ pub(super) const STATES: usize = 10;
 pub(super) const BODY: usize = 6;
 /// Index of the twists.
 pub(super) const TWIST: usize = 8;
+
+/// Torques and masses at one instant.
+#[derive(Clone, Copy)]
+pub(super) struct Sides {
+    pub(super) coupling: Coupling<f64>,
+    pub(super) rotor: f64,
+    /// Inverse of the body's mass matrix.
+    pub(super) mobility: Matrix2<f64>,
+    pub(super) body_torque: [f64; 2],
+    pub(super) wheel_torque: [f64; 2],
+    pub(super) level: [f64; 4],
+}
+
+/// One part of a step.
+pub(super) struct Part {
+    pub(super) transition: Covariance<STATES>,
+    /// Map of a torque on the wheels.
+    pub(super) gain: SMatrix<f64, STATES, 2>,
+    /// Map of a torque on the body.
+    pub(super) body_gain: SMatrix<f64, STATES, 2>,
+    pub(super) shift: Mean<STATES>,
+    /// At the start of the part [rad/s^2].
+    pub(super) wheel_acceleration: [f64; 2],
+    pub(super) body_acceleration: [f64; 2],
+}
 
 /// A robot of two inertias a wheel.
 ///
