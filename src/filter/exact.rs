@@ -218,7 +218,7 @@ mod tests {
             };
             let found = mean_transition(&along(&|z| (-z as f64).exp())).unwrap();
             let exact = along(&|z| (1.0 - (-z as f64).exp()) / z);
-            // the rule errs by 4 % of the mean at 3.5 time constants
+            // the error of the rule is 4 % of the mean at 3.5 time constants
             assert!((found - exact).amax() < 0.012, "{found} {exact}");
         }
         let stopped = Matrix2::new(1.0, 0.0, 0.0, 0.0);

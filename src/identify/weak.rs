@@ -17,6 +17,9 @@ const REST: f64 = 0.025;
 /// (judgement).
 const SLOW: f64 = 0.25;
 
+/// Standard deviations of the noise within which a speed has no direction.
+const NOISE: f64 = 3.0;
+
 /// One test function ψ = (1 - x²)⁴ over a window of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
@@ -45,12 +48,13 @@ pub(super) fn windows_across_reversals(
     half_width: f64,
     per_half: usize,
 ) -> Vec<Window> {
-    let rest = REST * recording.top_speed();
+    // noise has no direction: a robot at rest has no such windows
+    let noise = recording.motion_noise().omega.into_iter().fold(0.0, f64::max);
+    let rest = (REST * recording.top_speed()).max(NOISE * noise);
     let omega = recording.omega();
     windows_where(recording, half_width, per_half, |samples| {
-        // where nothing moves there is no speed to compare with
-        let allowed = if rest > 0.0 { SLOW * samples.len() as f64 } else { -1.0 };
-        let slow = |i: usize| samples.clone().filter(|&k| omega[k][i].abs() < rest).count();
+        let allowed = SLOW * samples.len() as f64;
+        let slow = |i: usize| samples.clone().filter(|&k| omega[k][i].abs() <= rest).count();
         (0..2).all(|i| slow(i) as f64 <= allowed)
     })
 }

@@ -14,7 +14,7 @@ use crate::robot::State;
 /// Longest internal step \[s\]; the input is smooth between samples, so this only limits the truncation error
 /// of Runge-Kutta for slow recordings.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest product of internal step and fastest rate of the model that is accurate (a step of Runge-Kutta 4 errs by 2.6e-4
+/// Largest product of internal step and fastest rate of the model that is accurate (the error of a step of Runge-Kutta 4 is 2.6e-4
 /// of the distance from the equilibrium), and stable with a margin (limit of Runge-Kutta 4: 2.8).
 const STIFF: f64 = 0.5;
 const STABLE: f64 = 1.5;

@@ -54,7 +54,7 @@ fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
             omega = rest + (omega - rest) * decay;
             worst = worst.max((next.omega[0] - omega).abs() * k);
         }
-        // the distance from the equilibrium is at most 1 N m/k: a step errs by 2.6e-4 of it, less what decays since; beyond ten
+        // the distance from the equilibrium is at most 1 N m/k: the error of a step is 2.6e-4 of it, less what decays since; beyond ten
         // steps per row by what is left of it
         assert!(worst < 5e-4, "{per_row}: {worst}");
     }
