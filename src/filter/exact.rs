@@ -216,8 +216,8 @@ mod tests {
                 let (s, t) = (f(straight), f(turning));
                 Matrix2::new(s + t, s - t, s - t, s + t) * 0.5
             };
-            let found = mean_transition(&along(&|z| (-z as f64).exp())).unwrap();
-            let exact = along(&|z| (1.0 - (-z as f64).exp()) / z);
+            let found = mean_transition(&along(&|z: f64| (-z).exp())).unwrap();
+            let exact = along(&|z: f64| (1.0 - (-z).exp()) / z);
             // the error of the rule is 4 % of the mean at 3.5 time constants
             assert!((found - exact).amax() < 0.012, "{found} {exact}");
         }

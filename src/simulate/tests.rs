@@ -40,14 +40,14 @@ fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
     let mut p = model.initial();
     let (inertia, friction, row) = (p[0] + p[1], p[3], 0.02);
     let t = time(101, row);
-    let input = |t: f64| if (t / 0.2) as usize % 2 == 0 { [1.0; 2] } else { [0.4; 2] };
+    let input = |t: f64| if ((t / 0.2) as usize).is_multiple_of(2) { [1.0; 2] } else { [0.4; 2] };
     let torque: Vec<_> = t.iter().map(|&t| input(t + 1e-9)).collect();
     let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
-    for per_row in [1.0, 2.0, 5.0, 20.0] {
+    for per_row in [1.0_f64, 2.0, 5.0, 20.0] {
         let k = per_row / row * inertia;
         p[5] = k;
         let motion = simulate(&model, &p, &input, State::default()).unwrap();
-        let decay = (-per_row as f64).exp();
+        let decay = (-per_row).exp();
         let (mut omega, mut worst) = (0.0, 0.0_f64);
         for (now, next) in torque.iter().zip(&motion[1..]) {
             let rest = (now[0] - friction) / k;
