@@ -2,6 +2,7 @@
 //! search ends unexplained.
 
 use super::order::equals;
+use super::steps::has_size;
 use super::{Search, is_two_mass};
 use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::{Ranked, Step};
@@ -73,12 +74,15 @@ impl Search<'_> {
         (self.pruned(base, steps), rankings)
     }
 
-    /// Index and reported error of the first candidate in the ranking that improves the criterion and whose
+    /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and whose
     /// reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
-    /// are missing, a flexible one fits a part of both to the training recordings.
+    /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a simpler
+    /// effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
-        let errors = better.filter_map(|(n, r)| Some((n, self.shown(r.refit.as_ref()?))));
+        let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
+        let sized = fits.filter(|(_, id, fit)| has_size(fit, id));
+        let errors = sized.map(|(n, _, fit)| (n, self.shown(fit)));
         errors.into_iter().find(|(_, error)| *error <= shown)
     }
 

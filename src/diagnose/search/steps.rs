@@ -107,7 +107,7 @@ impl Search<'_> {
     /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
     /// zero.
     fn stands(&self, step: &Step) -> bool {
-        self.passes(&step.last) && self.passes(&step.total) && has_size(step)
+        self.passes(&step.last) && self.passes(&step.total) && has_size(&step.fit, &step.id)
     }
 
     /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
@@ -179,8 +179,7 @@ impl Search<'_> {
             p.drain(slots.clone());
             let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
             let ratio = self.degrees * (without.cost / last.fit.cost).ln();
-            let by_now = Step { fit: last.fit.clone(), ..steps[n].clone() };
-            if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&by_now) {
+            if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&last.fit, &steps[n].id) {
                 continue;
             }
             let mut kept = steps.clone();
@@ -323,13 +322,12 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
 
-/// Whether a linear parameter of the step's effect, if it has any, differs from zero by more than its uncertainty: an
+/// Whether a linear parameter of an effect, if it has any, differs from zero by more than its uncertainty: an
 /// effect that the training recordings do not show may lower the held-out error by accident.
-fn has_size(step: &Step) -> bool {
-    let model = &step.fit.model;
-    let own = model.parameters().iter().enumerate().filter(|(_, p)| p.effect == step.id);
+pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
+    let own = fit.model.parameters().iter().enumerate().filter(|(_, p)| p.effect == id);
     let linear = own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
-    let errors = |j: usize| step.fit.p[j].abs() / step.fit.covariance[(j, j)].sqrt();
+    let errors = |j: usize| fit.p[j].abs() / fit.covariance[(j, j)].sqrt();
     let mut sizes = linear.map(|(j, _)| errors(j)).peekable();
     sizes.peek().is_none() || sizes.any(|size| size > THRESHOLDS.uncertain)
 }
