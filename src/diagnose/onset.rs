@@ -34,25 +34,33 @@ fn onsets(r: &Recording, piece: &Range<usize>, i: usize) -> Vec<f64> {
     let none = |k: usize| torque[k].iter().all(|m| m.abs() <= NONE * range);
     let starts = (piece.start + REST..piece.end)
         .filter(|&k| torque[k][i].abs() > STEP * range && (k - REST..k).all(none));
+    let limit = smallest_motion(r, i);
+    let moved = |from: usize, k: usize| Some(motion(r, i, from, k)).filter(|m| m.abs() > limit);
     let onset = |k: usize| {
         let way = torque[k][i].signum();
-        let moves = |j: &usize| moved(r, i, k - 1, *j).is_some_and(|moved| way * moved > 0.0);
-        let still = (k - REST..k).all(|j| moved(r, i, k - REST, j).is_none());
+        let moves = |j: &usize| moved(k - 1, *j).is_some_and(|moved| way * moved > 0.0);
+        if (k - REST..k).any(|j| moved(k - REST, j).is_some()) {
+            return None;
+        }
         let first = (k..piece.end - 1).find(|j| moves(j) && moves(&(j + 1)))?;
-        still.then(|| t[first] - t[k - 1])
+        Some(t[first] - t[k - 1])
     };
     starts.filter_map(onset).collect()
 }
 
-/// The motion of a wheel in row `k` beyond noise: its speed, or its angle since row `from` if only angles are measured.
-fn moved(r: &Recording, i: usize, from: usize, k: usize) -> Option<f64> {
+/// The speed of a wheel in row `k`, or its angle since row `from` if only angles are measured.
+fn motion(r: &Recording, i: usize, from: usize, k: usize) -> f64 {
+    if r.measured().omega { r.omega()[k][i] } else { r.alpha()[k][i] - r.alpha()[from][i] }
+}
+
+/// The smallest [`motion`] that is not noise.
+fn smallest_motion(r: &Recording, i: usize) -> f64 {
     let noise = r.motion_noise();
-    let (moved, limit) = if r.measured().omega {
-        (r.omega()[k][i], (SURE * noise.omega[i]).max(MOVES * r.top_speed()))
+    if r.measured().omega {
+        (SURE * noise.omega[i]).max(MOVES * r.top_speed())
     } else {
-        (r.alpha()[k][i] - r.alpha()[from][i], SURE * 2.0_f64.sqrt() * noise.alpha[i])
-    };
-    (moved.abs() > limit).then_some(moved)
+        SURE * 2.0_f64.sqrt() * noise.alpha[i]
+    }
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ pub fn smallest_change(signal: &[f64]) -> Option<f64> {
 #[must_use]
 pub fn quantum(signal: &[f64]) -> Option<f64> {
     let equal = signal.windows(2).filter(|w| w[1] == w[0]).count();
-    grid(signal).filter(|_| equal as f64 >= EQUAL_SHARE * signal.len() as f64)
+    if (equal as f64) < EQUAL_SHARE * signal.len() as f64 { None } else { grid(signal) }
 }
 
 /// The step of a quantised signal, which may change in every row: one on which 19 of 20 values lie, or the smallest

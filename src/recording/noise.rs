@@ -60,8 +60,10 @@ impl Recording {
         let (alpha, mut omega) = (channel(self.alpha()), channel(self.omega()));
         if self.measured().omega {
             let most = most_noise_of_speeds(self);
-            let rounding = [0, 1].map(|i| quantum(self.omega(), i) / 12.0_f64.sqrt());
-            omega = [0, 1].map(|i| omega[i].min(most[i].max(rounding[i])));
+            omega = [0, 1].map(|i| match most[i] < omega[i] {
+                true => omega[i].min(most[i].max(quantum(self.omega(), i) / 12.0_f64.sqrt())),
+                false => omega[i],
+            });
         }
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         self.most_noise().map_or(MotionNoise { alpha, omega }, |most| MotionNoise {

@@ -112,14 +112,12 @@ fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Op
     let limit = (SPIKE * quantile(positive(), 0.5))
         .max(2.0 * ordinary)
         .max(if channel == Quantity::Input { 0.15 } else { 0.05 } * range);
-    let steps = steps_before(r.torque());
-    let moved = |k: &usize| channel != Quantity::Input && steps(*k);
-    let found: Vec<usize> = sizes()
-        .enumerate()
-        .filter(|(_, z)| *z > limit)
-        .map(|(k, _)| k + 1)
-        .filter(|k| !moved(k))
-        .collect();
+    let mut found: Vec<usize> =
+        sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
+    if channel != Quantity::Input && !found.is_empty() {
+        let steps = steps_before(r.torque());
+        found.retain(|k| !steps(*k));
+    }
     let first = *found.first()?;
     let around = [first - 1, first, first + 1].map(|k| values[k][i]);
     let severity = if channel == Quantity::Input { Severity::Note } else { Severity::Warning };
