@@ -119,7 +119,7 @@ impl<'a> Acting<'a> {
         let errors: Vec<_> = r.alpha()[rows.clone()].iter().zip(&*states).map(error).collect();
         let all = 0..rows.len();
         let (t, fresh) = (&r.t()[rows.clone()], &r.fresh()[rows.clone()]);
-        let wrong = slopes(t, &errors, std::slice::from_ref(&all), fresh);
+        let wrong = slopes(t, &errors, std::slice::from_ref(&all), fresh, r.reach());
         for ((state, m), wrong) in states.iter_mut().zip(&r.omega()[rows.clone()]).zip(wrong) {
             state.omega = [0, 1].map(|i| m[i] - wrong[i]);
         }

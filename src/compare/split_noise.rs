@@ -36,7 +36,10 @@ pub(super) fn with_split_noise(recording: &Recording, seed: u64) -> [Recording; 
         let sum = |(v, e): (&[f64; 2], &[f64; 2])| [0, 1].map(|i| v[i] + sign * e[i]);
         let changed: Vec<[f64; 2]> = signal.iter().zip(&added).map(sum).collect();
         recording.with_omega(match is_of_angles {
-            true => differentiate(recording.t(), &changed, recording.pieces()),
+            true => {
+                let reach = recording.reach();
+                differentiate(recording.t(), &changed, recording.pieces(), reach)
+            }
             false => changed,
         })
     })

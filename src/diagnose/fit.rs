@@ -5,8 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use super::windows::{Sums, Windows, bounds, quadratic_of};
 use crate::effects::Scale;
 use crate::identify::among_all;
-use crate::math::{Information, MinimiseOptions, minimise, sandwich};
+use crate::math::{Information, MinimiseOptions, minimise, raise_errors, sandwich};
 use crate::model::Model;
+use crate::simulate::Hold;
 
 /// Maximum number of Levenberg-Marquardt steps; more are needed only along a flat ridge of the cost.
 const STEPS: usize = 20;
@@ -102,6 +103,38 @@ pub(super) fn fit_within(
     free.iter().enumerate().for_each(|(n, &j)| at_bound[j] = edge(n));
     let (model, windows) = (model.clone(), sums.len());
     cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
+}
+
+/// A fit to `windows` with standard errors that include the unknown input between its rows: none is smaller than the change
+/// of its parameter by omitting every other row of the input, the mean of both ways, by one step. That error does not
+/// appear in the residuals, since the parameters absorb it. A held input is known between its rows.
+///
+/// ```text
+/// δθ = H⁻¹ (mean of the scores at half the rate - score)
+/// ```
+pub(super) fn with_sampling(mut fit: WindowFit, windows: &Windows) -> WindowFit {
+    if windows.hold == Hold::Constant {
+        return fit;
+    }
+    let free = fit.model.free();
+    let sums = |windows: &Windows| -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let sums = windows.sums(&fit.model, &fit.p, &free)?;
+        Some((sums.iter().map(|s| &s.score).sum(), sums.iter().map(|s| &s.information).sum()))
+    };
+    let halved = |phase: usize| {
+        let recordings = windows.halved(phase);
+        sums(&windows.with_recordings(recordings.iter().collect()))
+    };
+    let (Some((score, information)), Some((even, _)), Some((odd, _))) =
+        (sums(windows), halved(0), halved(1))
+    else {
+        return fit;
+    };
+    let moved = Information::new(&information).solve(&(0.5 * (even + odd) - score));
+    let mut all = DVector::zeros(fit.p.len());
+    free.iter().zip(moved.iter()).for_each(|(&j, by)| all[j] = *by);
+    raise_errors(&mut fit.covariance, &all);
+    fit
 }
 
 /// Covariance of the free parameters from the sums of the windows over them.

@@ -10,9 +10,14 @@ use crate::compare::{
     unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
+use crate::math::mean;
 use crate::model::{Model, ModelError};
 use crate::recording::Recording;
+use crate::robot::State;
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
+
+/// Standard errors by which parameters may be wrong.
+const TWO_ERRORS: f64 = 2.0;
 
 /// The error of a model on the judged recordings together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,14 +106,51 @@ impl Judge {
         floor: WindowFloor,
     ) -> Result<Errors, SimulateError> {
         let error = |fit: &WindowFit| self.judge(&fit.model, &fit.p).map(|j| j.window_rms.powi(2));
-        Ok(Errors {
+        let errors = Errors {
             before: error(&diagnosis.base)?,
             after: error(diagnosis.last())?,
             floor: floor.expected.powi(2),
             most: floor.most.powi(2),
+            uncertain: 0.0,
             slow_floor: floor.is_slow(),
             speed: self.top_speed().powi(2),
-        })
+        };
+        // the parameters of recordings that were fitted have no further error there
+        let asked = diagnosis.validated && errors.above_floor();
+        let uncertain = if asked { self.uncertain(diagnosis.last())? } else { 0.0 };
+        Ok(Errors { uncertain, ..errors })
+    }
+
+    /// What the uncertainty of the parameters of a fit may add to the error over windows, squared [rad^2/s^2]: recordings
+    /// with another movement than the training ones (faster turns, higher speeds) depend on combinations of the
+    /// parameters that the latter determine less well.
+    ///
+    /// ```text
+    /// 2² Σ_k mean (w(p + √λ_k v_k) - w(p))²   λ, v: eigenvalues and eigenvectors of the covariance
+    /// ```
+    /// Directions that the training recordings do not determine at all, and those in which the model cannot be simulated,
+    /// are left out.
+    fn uncertain(&self, fit: &WindowFit) -> Result<f64, SimulateError> {
+        let known = fit.covariance.map(|v| if v.is_finite() { v } else { 0.0 });
+        let eigen = known.symmetric_eigen();
+        let windows = |p: &[f64]| -> Result<Vec<Vec<State>>, SimulateError> {
+            let dynamics = PhysicalDynamics { model: fit.model.clone(), p: p.to_vec() };
+            let of = |r| simulate_recording(&dynamics, r, self.hold).map(|s| s.windows);
+            self.recordings.par_iter().map(of).collect()
+        };
+        let here = windows(&fit.p)?;
+        let square = |k: usize| {
+            let step = eigen.eigenvectors.column(k) * eigen.eigenvalues[k].max(0.0).sqrt();
+            let p: Vec<f64> = fit.p.iter().zip(step.iter()).map(|(p, d)| p + d).collect();
+            let there = windows(&p).ok()?;
+            let pairs = here.iter().flatten().zip(there.iter().flatten());
+            let apart = |(a, b): (&State, &State)| {
+                (0..2).map(|i| (a.omega[i] - b.omega[i]).powi(2)).sum::<f64>()
+            };
+            Some(mean(pairs.map(apart)) / 2.0).filter(|square| square.is_finite())
+        };
+        let places = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > 0.0);
+        Ok(TWO_ERRORS.powi(2) * places.filter_map(square).sum::<f64>())
     }
 
     /// The largest top speed of the judged recordings [rad/s].

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub use self::starts::{StartAngle, start_angles};
 use super::candidate::Candidate;
 use super::candidates::candidates;
-use super::fit::{WindowFit, fit};
+use super::fit::{WindowFit, fit, with_sampling};
 use super::input_timing::{InputTiming, SYMBOL};
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
@@ -112,7 +112,9 @@ pub fn diagnose(
         }
     };
     let validated = search.held.is_some();
-    Ok(Diagnosis { base, ranking, steps, rest, validated })
+    let widened = |fit: WindowFit| with_sampling(fit, &search.windows);
+    let steps = steps.into_iter().map(|step| Step { fit: widened(step.fit), ..step }).collect();
+    Ok(Diagnosis { base: widened(base), ranking, steps, rest, validated })
 }
 
 struct Search<'a> {
@@ -223,7 +225,7 @@ impl<'a> Search<'a> {
         if widens && refits().all(|(r, cost)| self.is_far_above(r) && most_is_left(cost)) {
             self.refit_all(present, &mut ranked, &second, Some(&criteria));
         }
-        self.order(&mut ranked);
+        self.order(present, &mut ranked);
         ranked
     }
 

@@ -78,7 +78,7 @@ pub fn speed_filter(
 /// A recording whose speeds are those before a low-pass of time constant `time` \[s\].
 #[must_use]
 pub fn advanced(recording: &Recording, time: f64) -> Recording {
-    let slopes = differentiate(recording.t(), recording.omega(), recording.pieces());
+    let slopes = differentiate(recording.t(), recording.omega(), recording.pieces(), 1);
     let rows = recording.omega().iter().zip(slopes);
     recording.with_omega(rows.map(|(w, s)| [0, 1].map(|i| w[i] + time * s[i])).collect())
 }
@@ -200,7 +200,7 @@ fn behind(windows: &Windows, n: usize, errors: &Errors, before: &[Recording], ti
         [0, 1].map(|i| recorded.omega()[row][i] - low[i])
     };
     let error = errors.error.iter().enumerate().map(row).collect();
-    Errors { error, moving: errors.moving }
+    Errors { error, ..*errors }
 }
 
 /// A low-pass of time constant `time` a step `h` after its output `y`, of an input on a line from one value to another.

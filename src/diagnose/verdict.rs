@@ -30,6 +30,8 @@ pub struct Errors {
     pub floor: f64,
     /// Of the noise floor with the most that the input may have done between its rows.
     pub most: f64,
+    /// What the uncertainty of the parameters may add to it on held-out recordings: of two standard errors.
+    pub uncertain: f64,
     /// Whether slow noise of the input determines the noise floor ([`crate::compare::WindowFloor::is_slow`]).
     pub slow_floor: bool,
     /// Square of the top speed of the wheels.
@@ -97,10 +99,17 @@ impl Errors {
         !small
     }
 
-    /// Whether the last model is far above the floor, and that by more than the input may have done between its rows.
+    /// Whether the last model is above all that the input may have done between its rows and that the uncertainty of the
+    /// parameters may add. An error that is not a number is.
+    #[must_use]
+    pub fn above_all(&self) -> bool {
+        !((self.after / (self.most + self.uncertain)).sqrt() <= THRESHOLDS.at_floor)
+    }
+
+    /// Whether the last model is far above the floor, and [`Errors::above_all`].
     #[must_use]
     pub fn far_above_all(&self) -> bool {
-        self.far_above_floor() && self.above_input()
+        self.far_above_floor() && self.above_all()
     }
 
     /// Whether the error beyond the floor is that of a useful model.
@@ -149,19 +158,19 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 ///
 /// If the error is above the floor, the effects found or likely must explain the larger part of it, and the
 /// model with the effects found must be useful. Otherwise something unknown is missing, if the residual
-/// torque shows `structure` or the error is far above the floor, which is itself an estimate, and if the
-/// unknown input between the rows cannot cause it. If slow noise of the input dominates the floor, structure
+/// torque shows `structure` or the error is far above the floor, which is itself an estimate, and if neither the
+/// unknown input between the rows nor the uncertainty of the parameters can cause it. If slow noise of the input dominates the floor, structure
 /// is no evidence, because its test treats rows as independent.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
     match likely {
-        _ if found > 0 && !errors.above_floor() => Conclusion::Missing,
+        _ if found > 0 && !(errors.above_floor() && errors.above_all()) => Conclusion::Missing,
         _ if found > 0 && explained(errors.after) && errors.useful() => Conclusion::Missing,
         _ if found > 0 => Conclusion::Unknown,
         Some(ratio) if explained(errors.after * ratio * ratio) => Conclusion::Likely,
         _ if errors.above_floor()
-            && errors.above_input()
+            && errors.above_all()
             && (structure && !errors.slow_floor || errors.far_above_floor()) =>
         {
             Conclusion::Unknown
@@ -211,7 +220,15 @@ mod tests {
     }
 
     fn errors(before: f64, after: f64) -> Errors {
-        Errors { before, after, floor: 1.0, most: 1.0, slow_floor: false, speed: 1e4 }
+        Errors {
+            before,
+            after,
+            floor: 1.0,
+            most: 1.0,
+            uncertain: 0.0,
+            slow_floor: false,
+            speed: 1e4,
+        }
     }
 
     #[test]
@@ -231,6 +248,10 @@ mod tests {
         let open = Errors { most: 3.5, ..errors(4.0, 4.0) };
         assert_eq!(conclude(0, &open, None, true), Conclusion::Sufficient);
         assert_eq!(conclude(0, &Errors { most: 2.0, ..open }, None, true), Conclusion::Unknown);
+        let open = Errors { uncertain: 2.5, ..errors(4.0, 4.0) };
+        assert_eq!(conclude(0, &open, None, true), Conclusion::Sufficient);
+        assert_eq!(conclude(1, &open, None, true), Conclusion::Missing);
+        assert_eq!(conclude(0, &Errors { after: 6.0, ..open }, None, true), Conclusion::Unknown);
     }
 
     #[test]

@@ -11,7 +11,7 @@ mod window;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use self::compared::{Compared, variance};
+use self::compared::{Compared, every, is_new, variance};
 pub(super) use self::errors::Errors;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
@@ -141,7 +141,8 @@ impl<'a> Windows<'a> {
 
     /// Number of speeds in all windows.
     pub(super) fn values(&self) -> usize {
-        self.windows.iter().map(|w| 2 * w.rows.len()).sum()
+        let speeds = |w: &Window| 2 * w.rows.len() / every(self.recordings[w.recording]);
+        self.windows.iter().map(speeds).sum()
     }
 
     /// The fold of a window, 0 or 1: thirds of the rows of each recording in turn, every other recording
@@ -158,7 +159,7 @@ impl<'a> Windows<'a> {
         let (r, k) = (window.recording, window.rows.start + row);
         let recording = self.recordings[r];
         let known = row > 0 || recording.measured().omega;
-        if !(recording.fresh()[k] && known) {
+        if !(is_new(recording, k, row) && known) {
             return 0.0;
         }
         let t = recording.t();

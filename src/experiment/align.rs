@@ -4,7 +4,7 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
+    Judge, SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
     start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
@@ -80,7 +80,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let recordings: Vec<&Recording> = train.iter().collect();
     plan.timing = if own { None } else { timing(&plan.model, &start, &recordings, plan.hold) };
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
-    count_noise_at_rest(plan);
+    count_noise_at_rest(plan, &start);
     if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {
         for MeasuredRecording { recording, .. } in &mut plan.recordings {
             *recording = with_later_input(recording, timing.correction_s);
@@ -91,10 +91,25 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
 }
 
-/// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this.
-fn count_noise_at_rest(plan: &mut Plan) {
+/// Ratio of the error that noise of the input would cause to the observed error above which the latter refutes it: the noise
+/// is known to a third, and the observed error contains that of the model too.
+const REFUTED: f64 = 2.0;
+
+/// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this, unless the model at
+/// `start` simulates the motion better than such noise would allow: then they are a command, which friction holds.
+fn count_noise_at_rest(plan: &mut Plan, start: &[f64]) {
     let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
     let noise = rest_noise(&recordings);
+    if noise.iter().all(|n| n.sigma == 0.0) {
+        return;
+    }
+    let mut train = plan.of(Role::Train);
+    train.iter_mut().for_each(|r| r.set_slow_input_noise(noise));
+    let judge = Judge::new(train, plan.hold);
+    let expected = judge.floor(&plan.model, start).slow;
+    if judge.judge(&plan.model, start).is_ok_and(|seen| REFUTED * seen.window_rms < expected) {
+        return;
+    }
     let found = [0, 1].into_iter().filter(|&i| noise[i].sigma > 0.0).map(|i| {
         let SlowNoise { sigma, time_s } = noise[i];
         let kind = Kind::RestNoise { sigma, time_s };
@@ -203,4 +218,43 @@ fn fitted_to_held(plan: &Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     held_input(&plan.model, start, &recordings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::{Reading, Unread, plan_of};
+    use crate::model::Model;
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Input, simulate};
+
+    #[test]
+    fn a_command_that_friction_holds_is_no_noise_of_the_input() {
+        let model = Model::base(Robot::amigobot());
+        let (p, h) = (model.initial(), 0.01);
+        // a second of motion, then two of rest, in which a controller moves its command up and down below the friction
+        let phase = |k: usize| (k % 300) as f64 * h;
+        let command = |k: usize| match phase(k) {
+            t if t < 0.6 => 1.5 * p[3],
+            t if t < 1.0 => 0.0,
+            t => 0.8 * p[3] * (std::f64::consts::TAU * (t + (k / 300) as f64 * 0.37)).sin(),
+        };
+        let noise = |k: usize| 0.002 * ((k * k) as f64).sin();
+        let t: Vec<f64> = (0..3000).map(|k| h * f64::from(k)).collect();
+        let torque: Vec<[f64; 2]> = (0..3000).map(|k| [command(k), 0.9 * command(k)]).collect();
+        let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+        let states = simulate(&model, &p, &input, State::default()).unwrap();
+        let column = |of: &dyn Fn(usize) -> f64| (0..t.len()).map(of).collect::<Vec<f64>>();
+        let speeds = [0, 1].map(|i| column(&|k| states[k].omega[i] + noise(k + 5 * i)));
+        let inputs = [0, 1].map(|i| column(&|k| torque[k][i] + noise(k + 11 + 7 * i)));
+        let named = |name: &str, i: usize, v: &[f64]| (format!("{name}{}", i + 1), v.to_vec());
+        let mut columns = vec![("t".to_owned(), t.clone())];
+        columns.extend((0..2).map(|i| named("dalpha", i, &speeds[i])));
+        columns.extend((0..2).map(|i| named("M", i, &inputs[i])));
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+        let read = Unread::table(reading, "held", columns).read(Role::Train).unwrap();
+        assert!(rest_noise(&[&read.recording])[0].sigma > 0.1 * p[3]);
+        let plan = plan_of("mine", &toml::Table::new(), vec![read], Some(Hold::Linear)).unwrap();
+        assert_eq!(plan.recordings[0].recording.slow_input_noise()[0].sigma, 0.0);
+    }
 }

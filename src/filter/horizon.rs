@@ -52,7 +52,7 @@ pub(crate) struct Piece {
 /// input causes an error equal to the assumed measurement error. T = 0 is maximum likelihood.
 /// The noise levels are not estimated, so they cannot absorb missing effects.
 ///
-/// The unknown input between its rows is noise of each row. With `alike` and a horizon its mean over all rows of all
+/// The unknown input between its rows is noise of each row; a held input is known there. With `alike` and a horizon its mean over all rows of all
 /// recordings is used in every row, in s_M: if the model is known to be incomplete, rows with a changing input
 /// (starts, reversals) must not have a lower weight.
 pub(crate) struct HorizonFilter<'a> {
@@ -84,11 +84,11 @@ impl<'a> HorizonFilter<'a> {
         };
         let recordings: Vec<&Recording> = prepared.iter().map(|p| p.recording).collect();
         let pieces = pieces(&recordings).into_iter().map(piece).collect();
-        let crossing = prepared.iter().map(|r| crossing(r, model, p)).collect();
+        let crossing = prepared.iter().map(|r| crossing(r, hold, model, p)).collect();
         // both inputs of a single axis move it together
         let single = recordings.iter().all(|r| r.is_single_axis());
         let inertia = if single { p[A1] + p[A2] } else { p[A1] };
-        let whole_noise = whole_noise(prepared);
+        let whole_noise = whole_noise(prepared, hold);
         Self { prepared, hold, pieces, crossing, inertia, whole_noise, alike: false }
     }
 
@@ -229,7 +229,7 @@ impl Stretch<'_> {
 impl Drive for Stretch<'_> {
     fn sample<'s>(&self, k: usize, slopes: Option<&'s mut InputSlopes>) -> Sample<'s> {
         let recording = self.prepared.recording;
-        let (t, raw) = (recording.t(), recording.torque());
+        let t = recording.t();
         let ends = self.input.ends(&self.input.acting, k);
         let middle = |e: &Ends| [0, 1].map(|i| 0.5 * (e[0][i] + e[1][i]));
         let (input, smooth) = (middle(&ends), middle(&self.input.ends(&self.input.smooth, k)));
@@ -250,7 +250,7 @@ impl Drive for Stretch<'_> {
             input,
             tilt: lag_of_angle(0.5, &ends[0], &ends[1]),
             ends,
-            change: if self.alike { [0.0; 2] } else { [0, 1].map(|i| raw[k][i] - raw[k - 1][i]) },
+            change: if self.alike { [0.0; 2] } else { self.input.change(recording.torque(), k) },
             smoother: [0, 1].map(|i| smooth[i] - input[i]),
             crossing: if self.alike { [0.0; 4] } else { self.crossing[k] },
             by_parameter,

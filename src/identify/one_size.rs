@@ -2,35 +2,42 @@
 
 use super::start::start;
 use super::{Fit, Note, Task, Unknown};
-use crate::math::Moments;
+use crate::math::{Moments, correlation};
 use crate::model::Model;
 use crate::model::base::{A4, A5};
 use crate::recording::Recording;
 
 /// Wheels slower than this share of the top speed count as at rest, as in the regressions.
 const REST: f64 = 0.025;
+/// Correlation of the input with the acceleration above which it follows it (judgement: a tenth of the variance). A battery
+/// that sags under the current has a negative one.
+const FOLLOWS: f64 = 0.3;
 /// Variation of an input, relative to its size, below which it has one size, and distance of a friction from that size
 /// below which it explains the input alone (judgement: a tenth is more than the sag of a battery).
 const ONE: f64 = 0.1;
 
 /// The size of the input of each wheel while it turns, if it has only one: the mean of M sgn(ω) over rows in which
-/// the wheel moves, where the values vary by less than a tenth (rms) about it.
+/// the wheel moves, where the values vary by less than a tenth (rms) about it, and not with the acceleration.
 ///
 /// ```text
 /// a1 dω + a4 sgn(ω) + … = M = c sgn(ω)   has the exact solution a4 = c, all others zero
 /// ```
-/// A balance of torques takes that solution, though such a robot would not accelerate.
+/// A balance of torques takes that solution, though such a robot would not accelerate. The torque of a robot that crawls
+/// is that of its friction too, but it varies with the acceleration.
 pub(super) fn sizes(recordings: &[Recording]) -> [Option<f64>; 2] {
     [0, 1].map(|i| {
+        // input and acceleration along the motion
         let along = |r: &Recording| {
             let rest = REST * r.top_speed();
-            let rows = r.omega().iter().zip(r.torque());
-            let moving = rows.filter(move |(w, _)| w[i].abs() > rest);
-            moving.map(|(w, m)| m[i] * w[i].signum()).collect::<Vec<_>>()
+            let moving = (0..r.len()).filter(|&k| r.omega()[k][i].abs() > rest);
+            let of = |k: usize| [r.torque()[k][i], r.local_motion()[k].acceleration[i]];
+            moving.map(|k| of(k).map(|v| v * r.omega()[k][i].signum())).collect::<Vec<_>>()
         };
-        let values: Vec<f64> = recordings.iter().flat_map(along).collect();
-        let Moments { mean, variance, .. } = Moments::of(values.iter().copied());
-        (mean > 0.0 && variance.sqrt() < ONE * mean).then_some(mean)
+        let rows: Vec<[f64; 2]> = recordings.iter().flat_map(along).collect();
+        let Moments { mean, variance, .. } = Moments::of(rows.iter().map(|row| row[0]));
+        let is_one = mean > 0.0 && variance.sqrt() < ONE * mean;
+        let follows = || correlation(rows.iter().map(|[m, a]| (*m, *a))) > FOLLOWS;
+        (is_one && !follows()).then_some(mean)
     })
 }
 
@@ -126,5 +133,20 @@ mod tests {
         assert!(((start[0] + start[1]) / start[5] - 0.15).abs() < 0.03, "{start:?}");
         let (fit, start) = of(&|n| [8.0, 4.0, -6.0][n % 3]);
         assert!(fit.estimates[3].identifiable && start.is_none(), "{:?}", fit.estimates);
+    }
+
+    #[test]
+    fn the_torque_of_a_robot_that_crawls_has_no_one_size() {
+        // friction of 1 N m, and a twentieth of it for a slow acceleration
+        let t: Vec<f64> = (0..600).map(|k| 0.01 * f64::from(k)).collect();
+        let speed = |t: f64| 2.0 + (1.5 * t).sin();
+        let of = |inertia: f64| {
+            let torque = t.iter().map(|t| [1.0 + 1.5 * inertia * (1.5 * t).cos(); 2]).collect();
+            let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
+            let channels = Channels { t: t.clone(), alpha: None, omega, torque };
+            sizes(&[Recording::new("crawls", channels, DriveUnit::NewtonMetre).unwrap()])
+        };
+        assert_eq!(of(0.033), [None; 2]);
+        assert!(of(0.0).iter().all(|size| size.is_some_and(|size| (size - 1.0).abs() < 1e-9)));
     }
 }

@@ -173,7 +173,7 @@ impl<'a, 'b> Reader<'a, 'b> {
     fn pass(&mut self, until: usize) {
         if self.omega.is_empty() {
             let all = 0..self.t.len();
-            let omega = differentiate(&self.t, &self.alpha, std::slice::from_ref(&all));
+            let omega = differentiate(&self.t, &self.alpha, std::slice::from_ref(&all), 1);
             self.hand_on(&omega, until);
         } else {
             let omega = std::mem::take(&mut self.omega);

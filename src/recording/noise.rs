@@ -1,6 +1,6 @@
 //! Noise of the channels of a recording, estimated from the recording alone.
 
-use super::one_step::most_noise_of_speeds;
+use super::one_step::{MostNoise, most_noise};
 use super::{DriveUnit, MotionNoise, Noise, Recording};
 use crate::math::{median_high, noise};
 
@@ -59,7 +59,7 @@ impl Recording {
         let channel = |values: &[[f64; 2]]| [0, 1].map(|i| self.channel_noise(values, i, true));
         let (alpha, mut omega) = (channel(self.alpha()), channel(self.omega()));
         if self.measured().omega {
-            let most = most_noise_of_speeds(self);
+            let most = self.most_by_one_step().omega;
             omega = [0, 1].map(|i| match most[i] < omega[i] {
                 true => omega[i].min(most[i].max(quantum(self.omega(), i) / 12.0_f64.sqrt())),
                 false => omega[i],
@@ -72,6 +72,10 @@ impl Recording {
         })
     }
 
+    fn most_by_one_step(&self) -> MostNoise {
+        *self.kept().most_noise.get_or_init(|| most_noise(self))
+    }
+
     /// Noise of the input, right wheel first [unit of the input]: the torque of [`Recording::noise`].
     #[must_use]
     pub fn input_noise(&self) -> [f64; 2] {
@@ -79,11 +83,17 @@ impl Recording {
     }
 
     /// Standard deviation of the differences of the input from row to row [unit of the input], which are
-    /// noise or changes of the input itself.
+    /// noise or changes of the input itself, as far as the speeds do not follow them.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
-        let jumps = || [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
-        self.recorded_input_noise().unwrap_or_else(jumps)
+        self.recorded_input_noise().unwrap_or_else(|| {
+            let jumps = [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
+            if jumps == [0.0; 2] || !self.measured().omega {
+                return jumps;
+            }
+            let most = self.most_by_one_step().input;
+            [0, 1].map(|i| jumps[i].min(most[i]))
+        })
     }
 
     /// `sensed`: rows that only repeat a slow sensor contain no information on its noise.

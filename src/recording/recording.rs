@@ -5,8 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::channels::{Channels, Measured, MotionNoise, Noise, Sensing, SlowNoise};
 use super::check::check;
-use super::derived::{integrate, slopes};
+use super::derived::{integrate, reach, slopes};
 use super::gaps::{median_step, pieces};
+use super::one_step::MostNoise;
 use super::{DriveUnit, LocalMotion, RecordingError};
 
 /// A checked recording: finite values, strictly increasing time, both angles and speeds.
@@ -23,6 +24,8 @@ pub struct Recording {
     fresh: Vec<bool>,
     /// Median step in time \[s\].
     step: f64,
+    /// Rows to either side over which speeds are computed from angles.
+    reach: usize,
     /// Upper bound of the sensor noise, from other recordings of the same sensors.
     most_noise: Option<Noise>,
     /// Noise of the input before interpolation, if it has been interpolated [unit of the input].
@@ -42,6 +45,8 @@ pub(super) struct Kept {
     pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
     /// [`Recording::motion_noise`].
     pub(super) motion_noise: OnceLock<MotionNoise>,
+    /// [`most_noise`](super::one_step::most_noise) with the input of the first copy that asks.
+    pub(super) most_noise: OnceLock<MostNoise>,
     /// [`Recording::sensing`].
     pub(super) sensing: OnceLock<Sensing>,
 }
@@ -67,17 +72,19 @@ impl Recording {
         let fresh = super::refresh::refreshed(&channels);
         let Channels { t, alpha, omega, torque } = channels;
         let pieces = pieces(&t);
+        let step = median_step(&t);
+        let angles_alone = alpha.as_ref().filter(|_| omega.is_none());
+        let reach = angles_alone.map_or(1, |alpha| reach(alpha, &fresh, step));
         let (alpha, omega) = match (alpha, omega) {
             (Some(alpha), Some(omega)) => (alpha, omega),
             (Some(alpha), None) => {
-                let omega = slopes(&t, &alpha, &pieces, &fresh);
+                let omega = slopes(&t, &alpha, &pieces, &fresh, reach);
                 (alpha, omega)
             }
             (None, Some(omega)) => (integrate(&t, &omega), omega),
             (None, None) => return Err(RecordingError::NoMotion { name }),
         };
         let columns = [("dalpha", &omega[..]), ("M", &torque[..]), ("alpha", &alpha[..])];
-        let (step, most_noise) = (median_step(&t), None);
         super::limits::check(&name, &t, step, columns)?;
         Ok(Self {
             name,
@@ -90,7 +97,8 @@ impl Recording {
             pieces,
             fresh,
             step,
-            most_noise,
+            reach,
+            most_noise: None,
             recorded_input_noise: None,
             noise_of_jumps: 1.0,
             slow_input_noise: [SlowNoise::default(); 2],
@@ -165,6 +173,11 @@ impl Recording {
     #[must_use]
     pub fn fresh(&self) -> &[bool] {
         &self.fresh
+    }
+    /// Number of rows to either side over which speeds are computed from angles; one where they are measured.
+    #[must_use]
+    pub(crate) fn reach(&self) -> usize {
+        self.reach
     }
     /// The 99 % quantile of the speed of the faster wheel [rad/s]: the speed scale of this recording.
     #[must_use]

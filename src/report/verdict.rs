@@ -128,6 +128,12 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         let faster = text("To decide, record at the rate of the controller.");
         return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
     }
+    if !stated.errors.above_all() {
+        let more = text(
+            "To decide, record more of the movement of the validation recordings for training.",
+        );
+        return vec![format!("Nothing is proven to be missing: {none}."), error, more];
+    }
     if stated.errors.slow_floor {
         let slow = "Most of the noise floor is slow noise of the recorded input, which was estimated while the robot rests \
                     and is known to within a factor of two at best. To decide, record longer rests.";
@@ -189,6 +195,7 @@ mod tests {
                 after: 9.0,
                 floor: 1.0,
                 most: 1.0,
+                uncertain: 0.0,
                 slow_floor: false,
                 speed: 1e4,
             },
@@ -275,8 +282,15 @@ mod tests {
 
     #[test]
     fn a_floor_of_slow_noise_is_said_to_be_known_roughly() {
-        let errors =
-            Errors { before: 4.0, after: 4.0, floor: 1.0, most: 1.0, slow_floor: true, speed: 1e4 };
+        let errors = Errors {
+            before: 4.0,
+            after: 4.0,
+            floor: 1.0,
+            most: 1.0,
+            uncertain: 0.0,
+            slow_floor: true,
+            speed: 1e4,
+        };
         let stated = DiagnosisStudy { verdict: Verdict::ModelSufficient, errors, ..unknown() };
         let text = sentence(&stated);
         assert!(text.contains("slow noise of the recorded input"), "{text}");

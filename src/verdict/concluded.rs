@@ -63,7 +63,7 @@ impl<'a> Concluded<'a> {
         let left = judge.structure_left(diagnosis, &likelihood)?;
         let depends_on = left.map(|dependence| dependence.variable);
         let likely = likely(diagnosis, &errors);
-        let leaves = likely.and_then(|ranked| ranked.fall).map(|fall| fall.ratio);
+        let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
         let conclusion = conclude(diagnosis.steps.len(), &errors, leaves, depends_on.is_some());
@@ -174,6 +174,15 @@ impl<'a> Concluded<'a> {
             speeds_alone: train.iter().all(|r| !r.measured().alpha),
         }
     }
+}
+
+/// Ratio of the reported error with a likely effect to that without it; without validation recordings that of the windows
+/// of the other fold, since the recordings in the report were fitted.
+fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> Option<f64> {
+    let fall = ranked.fall?.ratio;
+    let fit = ranked.refit.as_ref().filter(|_| validated);
+    let with = fit.and_then(|fit| judge.judge(&fit.model, &fit.p).ok());
+    Some(with.map_or(fall, |with| with.window_rms / errors.after.sqrt()))
 }
 
 /// Why a fit that lowers the held-out error is not accepted; `now`: square of the reported error [rad^2/s^2].

@@ -47,6 +47,7 @@ impl Search<'_> {
             after: square(last),
             floor: floor.expected.powi(2),
             most: floor.most.powi(2),
+            uncertain: 0.0,
             slow_floor: floor.is_slow(),
             speed: 1.0,
         }
@@ -114,7 +115,7 @@ impl Search<'_> {
             return None;
         }
         self.refit_all(present, &mut ranked, &open, None);
-        self.order(&mut ranked);
+        self.order(present, &mut ranked);
         ranked.first().is_some_and(is_two_mass).then_some(ranked)
     }
 }

@@ -3,17 +3,49 @@
 use std::cmp::Ordering;
 
 use super::Search;
+use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::thresholds::THRESHOLDS;
 
 impl Search<'_> {
-    /// Puts refitted candidates in order.
-    pub(super) fn order(&self, ranked: &mut [Ranked]) {
+    /// Puts candidates that were refitted in addition to `present` in order.
+    pub(super) fn order(&self, present: &WindowFit, ranked: &mut [Ranked]) {
         self.set_criteria(ranked);
         ranked.sort_by(before);
         self.order_shifts(ranked);
         ranked.sort_by(before);
+        self.add_held_out(present, ranked);
         self.choose_alike(ranked);
+    }
+
+    /// Adds the evidence of the held-out recordings to the criterion, if the first candidate leaves their error above the
+    /// floor and another one explains all of it. The training recordings may contain too little of the motion that
+    /// separates the two, and the criterion of a model that is wrong is too certain. A false alarm is not concerned: the
+    /// error is above the floor with the candidate that the training recordings prefer.
+    ///
+    /// ```text
+    /// ΔBIC = values (rms_after² - rms_before²)/floor²
+    /// ```
+    fn add_held_out(&self, present: &WindowFit, ranked: &mut [Ranked]) {
+        let supported = |r: &Ranked| r.bic_windows < 0.0 && r.bic < 0.0;
+        let fit_of = |r: &Ranked| r.refit.clone().filter(|_| supported(r));
+        let Some(first) = ranked.first().and_then(fit_of) else { return };
+        if self.held.is_none() || !self.is_unexplained(&first) {
+            return;
+        }
+        let fits = ranked.iter().filter_map(fit_of).map(|fit| (self.shown(&fit), fit));
+        let Some((_, lowest)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        if self.is_unexplained(&lowest) {
+            return;
+        }
+        let square = |fit: &WindowFit| self.shown(fit).powi(2);
+        let floor = self.judge.floor(&lowest.model, &lowest.p).expected.powi(2);
+        let (from, values) = (square(present), self.judge.values());
+        for r in ranked.iter_mut().filter(|r| supported(r)) {
+            let change = r.refit.as_ref().map_or(0.0, |fit| square(fit) - from);
+            r.bic += values * change / floor;
+        }
+        ranked.sort_by(before);
     }
 
     /// Sets the ranking criterion: regression and windows together. If a column is computed from the input,
@@ -43,9 +75,10 @@ impl Search<'_> {
 
     /// Among the candidates that training windows do not distinguish, ranks first the one with the lowest
     /// held-out error. This applies far above the noise, where the remaining errors are not independent
-    /// values and the criterion is far too certain.
+    /// values and the criterion is far too certain, if the first leaves an error above the floor.
     fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
+        let open = || first.refit.as_ref().is_some_and(|fit| self.is_unexplained(fit));
         let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);
         let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
         let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
@@ -55,7 +88,7 @@ impl Search<'_> {
         });
         let errors = others.map(|n| (n, error(&ranked[n])));
         let lowest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((n, _)) = lowest.filter(|(_, least)| *least < error(first)) {
+        if let Some((n, _)) = lowest.filter(|(_, least)| *least < error(first) && open()) {
             ranked[..=n].rotate_right(1);
         }
     }

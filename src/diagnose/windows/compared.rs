@@ -13,6 +13,7 @@ use crate::robot::State;
 /// ```text
 /// e_k = ((α_k - α_j) - (α̂_k - α̂_j))/(t_k - t_j),   j: the row of the angle before
 /// ```
+/// Of rows over which the counts of an encoder would hide the speed only every [`every`]th is compared.
 pub(super) struct Compared<'a> {
     recording: &'a Recording,
     first: usize,
@@ -43,7 +44,7 @@ impl<'a> Compared<'a> {
         }
         let (since, before, simulated) = self.last;
         let time = r.t()[n] - since;
-        if k == 0 || !r.fresh()[n] {
+        if k == 0 || !is_new(r, n, k) {
             return Row { error: [0.0; 2], mean_over: Some(f64::INFINITY) };
         }
         let measured = r.alpha()[n];
@@ -51,6 +52,19 @@ impl<'a> Compared<'a> {
         let moved = |i: usize| (measured[i] - before[i]) - (state.alpha[i] - simulated[i]);
         Row { error: [0, 1].map(|i| moved(i) / time), mean_over: Some(time) }
     }
+}
+
+/// Rows between two that are compared: the width of the difference by which the recording's speeds are computed.
+pub(super) fn every(recording: &Recording) -> usize {
+    match recording.reach() {
+        1 => 1,
+        reach => 2 * reach,
+    }
+}
+
+/// Whether row `n` of the recording, number `k` of a window, is compared.
+pub(super) fn is_new(recording: &Recording, n: usize, k: usize) -> bool {
+    recording.fresh()[n] && k.is_multiple_of(every(recording))
 }
 
 /// Variance of the speeds that are compared [rad^2/s^2], of a wheel `i`: that of the speed channel, or of the
@@ -61,6 +75,6 @@ pub(super) fn variance(recording: &Recording, i: usize) -> f64 {
         return noise.omega[i].powi(2);
     }
     let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
-    let refresh = recording.step() * recording.len() as f64 / fresh as f64;
+    let refresh = recording.step() * (recording.len() * every(recording)) as f64 / fresh as f64;
     2.0 * (noise.alpha[i] / refresh).powi(2)
 }

@@ -14,6 +14,8 @@ use crate::simulate::{Input, simulate_windows};
 pub struct Errors {
     /// Measured less simulated wheel speeds [rad/s].
     pub error: Vec<[f64; 2]>,
+    /// Number of rows that were compared; the errors of the others are zero.
+    pub compared: usize,
     /// Rows until each wheel comes to rest in the simulation, up to which an error of the initial
     /// state persists.
     pub moving: [usize; 2],
@@ -33,7 +35,7 @@ impl Errors {
 
     fn mean_of(&self, values: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
         let sum = values.fold([0.0; 2], |s, v| [s[0] + v[0] * v[0], s[1] + v[1] * v[1]]);
-        sum.map(|s| s / self.error.len() as f64)
+        sum.map(|s| s / self.compared.max(1) as f64)
     }
 }
 
@@ -76,12 +78,16 @@ impl Windows<'_> {
         let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
         let states = simulate_windows(model, p, &input, input.t[0], &windows).ok()?;
         let one = |(window, states): (&Window, &Vec<State>)| {
-            let mut compared = Compared::new(recording, window);
-            let error = |(k, state): (usize, &State)| compared.row(k, state).error;
+            let (mut rows, mut compared) = (Compared::new(recording, window), 0);
+            let error = |(k, state): (usize, &State)| {
+                let row = rows.row(k, state);
+                compared += usize::from(row.mean_over.is_none_or(f64::is_finite));
+                row.error
+            };
             let error: Vec<[f64; 2]> = states.iter().enumerate().map(error).collect();
             let moving = [0, 1].map(|i| rows_until_rest(states, i));
             let finite = error.iter().flatten().all(|e| e.is_finite());
-            finite.then_some(Errors { error, moving })
+            finite.then_some(Errors { error, compared, moving })
         };
         group.iter().zip(&states).map(one).collect()
     }

@@ -4,13 +4,17 @@ use crate::effects::{Motion, along};
 use crate::filter::friction::input_variance;
 use crate::filter::prepare::Prepared;
 use crate::model::Model;
+use crate::simulate::Hold;
 
 /// Friction that may reverse within a row at an unknown time: the smoothed speed along it changes its sign,
-/// or is smaller than its change; including one row to either side.
-pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f64; 4]> {
+/// or is smaller than its change; including one row to either side. Under a held input the time is known.
+pub(super) fn crossing(prepared: &Prepared, hold: Hold, model: &Model, p: &[f64]) -> Vec<[f64; 4]> {
     let recording = prepared.recording;
     let motion = recording.local_motion();
     let mut out = vec![[0.0; 4]; recording.len()];
+    if hold == Hold::Constant {
+        return out;
+    }
     for piece in recording.pieces() {
         for k in piece.start + 1..piece.end {
             let (before, after) = (&motion[k - 1].omega, &motion[k].omega);
@@ -43,15 +47,20 @@ pub(super) fn crossing(prepared: &Prepared, model: &Model, p: &[f64]) -> Vec<[f6
 /// with steps has the same weight as one with ramps.
 ///
 /// ```text
-/// s² = mean (s_M² + max(0, ΔM² - 6 s_M²)/12)
+/// s² = mean (s_M² + max(0, ΔM² - 6 s_M²)/12),   s² = mean s_M² of a held input
 /// ```
-pub(super) fn whole_noise(prepared: &[Prepared]) -> f64 {
+pub(super) fn whole_noise(prepared: &[Prepared], hold: Hold) -> f64 {
+    let unknown = match hold {
+        Hold::Constant => 0.0,
+        Hold::Linear => 1.0,
+    };
     let (mut sum, mut count) = (0.0, 0.0);
     for one in prepared {
         let torque = one.recording.torque();
         for k in one.recording.pieces().iter().flat_map(|piece| piece.start + 1..piece.end) {
             for i in 0..2 {
-                sum += input_variance(one.torque_noise, torque[k][i] - torque[k - 1][i]);
+                sum +=
+                    input_variance(one.torque_noise, unknown * (torque[k][i] - torque[k - 1][i]));
                 count += 1.0;
             }
         }
@@ -64,6 +73,7 @@ mod tests {
     use super::whole_noise;
     use crate::filter::prepare;
     use crate::recording::{Channels, DriveUnit, Recording};
+    use crate::simulate::Hold;
 
     #[test]
     fn steps_and_ramps_have_the_noise_of_their_mean() {
@@ -80,6 +90,9 @@ mod tests {
         // a step of 6 in one of 200 changes, and 0.25 in each of 200, as uniform errors
         let mean_square = 0.5 * (6.0_f64.powi(2) / 200.0 + 0.25_f64.powi(2)) / 12.0;
         let white = 0.5 * both.iter().map(|p| p.torque_noise.powi(2)).sum::<f64>();
-        assert!((whole_noise(&both).powi(2) / (mean_square + white) - 1.0).abs() < 0.05);
+        assert!(
+            (whole_noise(&both, Hold::Linear).powi(2) / (mean_square + white) - 1.0).abs() < 0.05
+        );
+        assert!((whole_noise(&both, Hold::Constant).powi(2) - white).abs() < 1e-12 * mean_square);
     }
 }

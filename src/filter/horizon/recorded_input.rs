@@ -3,14 +3,16 @@
 use super::reading::Reading;
 use crate::effects::Change;
 use crate::filter::prepare::Prepared;
+use crate::math::mean;
 use crate::model::Model;
-use crate::recording::Recording;
 use crate::simulate::{Ends, Hold, every_other};
 
 /// Half width of the average of the input in derivatives \[s\], and its smallest number of rows: longer than
 /// the response of a wheel's speed controller.
 const SMOOTH: f64 = 0.06;
 const FEWEST: usize = 3;
+/// Largest difference of two rows that may be noise, in standard deviations of one: three of the difference.
+const ALIKE: f64 = 3.0 * std::f64::consts::SQRT_2;
 
 /// The acting input of a recording, row by row.
 pub(super) struct RecordedInput {
@@ -35,14 +37,15 @@ impl RecordedInput {
         let r = prepared.recording;
         let (whole, mut by_parameter) = model.input_derivatives_of(r, r.torque(), p);
         if reading != Reading::Noisy {
-            along_smooth_input(model, p, r, &mut by_parameter);
+            along_smooth_input(model, p, prepared, &mut by_parameter);
         }
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
             Reading::HalfRate(phase) => every_other(r, &whole, phase),
             _ => whole,
         };
-        let smooth = if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, r) };
+        let smooth =
+            if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, prepared) };
         Self { acting, smooth, by_parameter, acts, hold, shift }
     }
 
@@ -58,12 +61,17 @@ impl RecordedInput {
         }
     }
 
-    /// Derivative of the input over the row by the shift.
-    pub(super) fn by_shift(&self, k: usize) -> [f64; 2] {
+    /// Change of the input, `signal`, over the row that ends with sample `k`: zero for a held one.
+    pub(super) fn change(&self, signal: &[[f64; 2]], k: usize) -> [f64; 2] {
         match self.hold {
             Hold::Constant => [0.0; 2],
-            Hold::Linear => [0, 1].map(|i| self.smooth[k][i] - self.smooth[k - 1][i]),
+            Hold::Linear => [0, 1].map(|i| signal[k][i] - signal[k - 1][i]),
         }
+    }
+
+    /// Derivative of the input over the row by the shift.
+    pub(super) fn by_shift(&self, k: usize) -> [f64; 2] {
+        self.change(&self.smooth, k)
     }
 }
 
@@ -75,30 +83,41 @@ impl RecordedInput {
 fn along_smooth_input(
     model: &Model,
     p: &[f64],
-    recording: &Recording,
+    prepared: &Prepared,
     by_parameter: &mut [Vec<[f64; 2]>],
 ) {
+    let recording = prepared.recording;
     let shifts = |e: &usize| model.effects()[*e].change() == Change::TimeShift;
     let places: Vec<usize> =
         (0..model.effects().len()).filter(shifts).flat_map(|e| model.slots(e)).collect();
     if places.is_empty() {
         return;
     }
-    let smooth = smoothed(recording.torque(), recording);
+    let smooth = smoothed(recording.torque(), prepared);
     let (_, mut along) = model.input_derivatives_of(recording, &smooth, p);
     places.into_iter().for_each(|j| by_parameter[j] = std::mem::take(&mut along[j]));
 }
 
-/// A signal averaged over [`SMOOTH`] to either side, as far as its piece reaches.
-fn smoothed(signal: &[[f64; 2]], recording: &Recording) -> Vec<[f64; 2]> {
+/// An input averaged over [`SMOOTH`] to either side, as far as its piece reaches: over the rows that differ from it by no
+/// more than [`ALIKE`] standard deviations of its noise, white and slow. Steps, of a command in a slow log for example, remain, and so
+/// does an input without noise; along smoothed steps the derivatives would be weak instruments.
+///
+/// Source: Lee, Digital image smoothing and the sigma filter, CVGIP 24 (1983).
+fn smoothed(signal: &[[f64; 2]], prepared: &Prepared) -> Vec<[f64; 2]> {
+    let recording = prepared.recording;
     let half = ((SMOOTH / recording.step()).round() as usize).max(FEWEST);
+    let slow = recording.slow_input_noise();
+    let most = [0, 1].map(|i| ALIKE * prepared.torque_noise.hypot(slow[i].sigma));
     let mut out = signal.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone() {
             // the same width on both sides, since the average would otherwise be shifted in time
             let reach = half.min(k - piece.start).min(piece.end - 1 - k);
             let around = &signal[k - reach..k + reach + 1];
-            out[k] = [0, 1].map(|i| around.iter().map(|m| m[i]).sum::<f64>() / around.len() as f64);
+            out[k] = [0, 1].map(|i| {
+                let values = around.iter().map(|m| m[i]);
+                mean(values.filter(|m| (m - signal[k][i]).abs() <= most[i]))
+            });
         }
     }
     out

@@ -8,6 +8,7 @@ use crate::identify::identifiability::inverse_where_known;
 use crate::identify::sampling::at_least;
 use crate::math::{raise_errors, sandwich};
 use crate::model::Model;
+use crate::simulate::Hold;
 
 /// Covariance of the estimated columns and its degrees of freedom.
 pub(super) struct Spread {
@@ -23,12 +24,15 @@ pub(super) struct Spread {
 /// At T = 0 no variance is smaller than that of the likelihood, `H⁻¹ Σ e²/S / N`, and the factor is m/(m-1),
 /// since the larger of two is used already. With no more blocks than columns only the likelihood is used.
 ///
-/// The input between its rows is not known: no standard error is smaller than the change of the solution by
-/// halving its rate, the mean over both halves of the rows ([`at_least`]).
+/// An input that is not held is unknown between its rows: no standard error is smaller than the change of the solution
+/// by halving its rate, the mean over both halves of the rows ([`at_least`]).
 ///
 /// Source: White, Econometrica 50 (1982); Liang and Zeger, Biometrika 73 (1986).
 pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {
     let mut out = of_scores(solution);
+    if filter.hold == Hold::Constant {
+        return out;
+    }
     let moved = [0, 1].map(|phase| solution.moved_by(filter, model, Reading::HalfRate(phase)));
     if let [Some(even), Some(odd)] = moved {
         at_least(&mut out.covariance, &(0.5 * (even + odd)));

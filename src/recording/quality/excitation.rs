@@ -21,14 +21,17 @@ pub(crate) enum Lacking {
     Travel,
 }
 
-/// The kind of movement that recordings of two wheels lack together, if one.
+/// The kind of movement that recordings of two wheels lack together, if one: each of those with any motion lacks it. The
+/// turns of one recording are enough, however fast and long the others drive straight.
 pub(crate) fn lacking(recordings: &[Recording]) -> Option<Lacking> {
     if recordings.iter().all(Recording::is_single_axis) {
         return None;
     }
     let each: Vec<Vec<Window>> = recordings.iter().map(windows).collect();
-    let moving: Vec<&Window> = each.iter().flat_map(|windows| moving(windows)).collect();
-    lacking_in(&moving)
+    let moving = each.iter().map(|windows| moving(windows)).filter(|windows| !windows.is_empty());
+    let mut kinds = moving.map(|windows| lacking_in(&windows));
+    let first = kinds.next().flatten()?;
+    kinds.all(|kind| kind == Some(first)).then_some(first)
 }
 
 /// The windows in which a wheel moves.

@@ -184,6 +184,11 @@ fn driving_that_hides_parameters_is_named() {
     finds(&straight, &[&["drives straight only", "a3 not at all"]]);
     let pivots = segments(&[(0.0, 0.0), (0.0, 1.5), (0.0, -1.5), (0.0, 1.0), (0.0, 0.0)]);
     finds(&pivots, &[&["turns on the spot only", "a1 - a2"]]);
+    // turns in one recording determine what faster straight runs in others do not
+    let fast: Vec<(f64, f64)> = [0.0, 0.6, -0.6].repeat(6).into_iter().map(|v| (v, 0.0)).collect();
+    let turns = segments(&[(0.0, 0.0), (0.1, 0.3), (-0.1, 0.3), (0.0, 0.0)]);
+    assert_eq!(lacking(&[segments(&fast), straight.clone()]), Some(Lacking::Turns));
+    assert_eq!(lacking(&[segments(&fast), straight, turns]), None);
 }
 
 #[test]

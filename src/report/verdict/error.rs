@@ -40,8 +40,8 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     }
 }
 
-/// An error above the floor compared with the speed and with the unknown input between the rows: if the noise
-/// is small, the ratio to the floor exaggerates it.
+/// An error above the floor compared with the speed, with the unknown input between the rows, and with the uncertainty of
+/// the parameters: if the noise is small, the ratio to the floor exaggerates it.
 fn in_perspective(errors: &Errors) -> String {
     match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
         true => {
@@ -49,6 +49,10 @@ fn in_perspective(errors: &Errors) -> String {
         }
         false if !errors.above_input() => {
             ", no more than the input between its rows can cause".to_owned()
+        }
+        false if !errors.above_all() => {
+            ", no more than the uncertainty of the parameters can cause on these recordings"
+                .to_owned()
         }
         false => String::new(),
     }

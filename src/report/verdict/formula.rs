@@ -38,6 +38,7 @@ mod tests {
             after: error,
             floor,
             most: floor,
+            uncertain: 0.0,
             slow_floor: false,
             speed: 1e4,
         };

@@ -195,6 +195,7 @@ fn diagnosis() -> DiagnosisStudy {
             after: f64::NAN,
             floor: 0.0025,
             most: 0.0025,
+            uncertain: 0.0,
             slow_floor: false,
             speed: 100.0,
         },
