@@ -27,7 +27,7 @@ pub struct Section {
     pub denominator: [f64; 2],
 }
 
-/// What a section remembers of the values before.
+/// State of a section: the weighted values before.
 struct Memory<T> {
     next: T,
     later: T,
