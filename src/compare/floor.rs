@@ -82,6 +82,20 @@ pub fn noise_floor(
     floor(&Runs::new(dynamics, recording, hold, Reach::FreeAndWindows)?, seed)
 }
 
+/// [`noise_floor`] over windows alone, with half as many simulations; `ise` is not computed (NaN).
+///
+/// # Errors
+/// The mass matrix is not positive definite.
+pub fn window_floor(
+    dynamics: &dyn Dynamics,
+    recording: &Recording,
+    hold: Hold,
+    seed: u64,
+) -> Result<Floor, SimulateError> {
+    let floor = floor(&Runs::new(dynamics, recording, hold, Reach::Windows)?, seed)?;
+    Ok(Floor { ise: [f64::NAN; 2], ..floor })
+}
+
 /// [`noise_floor`] from the simulations of `runs`.
 fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

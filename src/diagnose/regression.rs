@@ -115,7 +115,7 @@ impl<'a> Regression<'a> {
             return None;
         }
         this.basis = orthonormal(columns.clone());
-        this.residual = this.left_by_base(&residual);
+        this.residual = &residual - &this.basis * this.basis.tr_mul(&residual);
         (this.base, this.torque) = (columns, residual);
         this.set_beside();
         Some(this)
@@ -211,28 +211,31 @@ impl<'a> Regression<'a> {
         std::array::from_fn(|j| Real::erf(along(j, &m.omega) / width))
     }
 
-    fn left_by_base(&self, signal: &DVector<f64>) -> DVector<f64> {
-        signal - &self.basis * self.basis.tr_mul(signal)
-    }
-
     /// Residual sum of squares of the base.
     #[must_use]
     pub fn residual_square(&self) -> f64 {
         self.residual.norm_squared()
     }
 
-    /// Residual sum of squares of the base with the input `shift` seconds later.
+    /// Residual sum of squares of the base with the input `shift` seconds later, which changes the torques by c.
+    ///
+    /// ```text
+    /// |r + (I - QQ')c|² = |r|² + 2 r'c + |c|² - |Q'c|²,   Q'r = 0
+    /// ```
     #[must_use]
     pub fn square_at_shift(&self, shift: f64) -> f64 {
-        let mut change = DVector::zeros(self.rows.len());
+        let (base, mut square, mut products) = (self.basis.ncols(), 0.0, vec![0.0; self.width]);
         for smooth in self.smoothed.recordings.iter() {
-            let input = &smooth.input;
-            let shifted = shifted(smooth.recording, input, shift);
+            let shifted = shifted(smooth.recording, &smooth.input, shift);
             for (row, k, i) in self.rows_of(smooth) {
-                change[row] = shifted[k][i] - input[k][i];
+                let change = shifted[k][i] - smooth.input[k][i];
+                square += change * change;
+                let beside = &self.beside[row * self.width..][..self.width];
+                products.iter_mut().zip(beside).for_each(|(sum, b)| *sum += change * b);
             }
         }
-        (&self.residual + self.left_by_base(&change)).norm_squared()
+        let by_base: f64 = products[..base].iter().map(|product| product * product).sum();
+        (self.residual_square() + 2.0 * products[base] + square - by_base).max(0.0)
     }
 
     /// Twice the log-likelihood ratio of a candidate, and the estimates of its columns.

@@ -7,7 +7,9 @@ use rayon::prelude::*;
 use super::error::RunError;
 use super::fits::MethodFit;
 use super::plan::{MeasuredRecording, MethodPlan, Plan};
-use crate::compare::{Floor, angle_rms, ise, noise_floor, simulate_recording, window_rms};
+use crate::compare::{
+    Floor, angle_rms, ise, noise_floor, simulate_recording, window_floor, window_rms,
+};
 use crate::identify::{self, Fit, IdentifyError};
 use crate::math::correlations;
 use crate::recording::Recording;
@@ -59,6 +61,26 @@ impl Comparison {
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
 pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
+    compare_in(plan, fits, Detail::Report)
+}
+
+/// [`compare`] without what the rows of a grid do not contain: the noise floor of the free simulation and the errors of
+/// emulators.
+///
+/// # Errors
+/// As [`compare`].
+pub(super) fn compare_figures(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
+    compare_in(plan, fits, Detail::Figures)
+}
+
+/// How much of a comparison is computed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Detail {
+    Report,
+    Figures,
+}
+
+fn compare_in(plan: &Plan, fits: &[MethodFit], detail: Detail) -> Result<Comparison, RunError> {
     let Some((reference, fit)) = reference(fits) else {
         return Err(RunError::NoFit(fits.iter().filter_map(|f| f.fit.clone().err()).collect()));
     };
@@ -66,7 +88,7 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
     let recordings = plan
         .recordings
         .par_iter()
-        .map(|measured| describe(plan, measured, &*dynamics))
+        .map(|measured| describe(plan, measured, &*dynamics, detail))
         .collect::<Result<_, _>>()?;
     let methods = plan
         .methods
@@ -74,8 +96,8 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
         .zip(fits)
         .map(|(method, MethodFit { fit, seconds })| {
             // a fit that cannot be simulated is reported like a failed one, with the reason
-            method_study(plan, method, fit, *seconds)
-                .or_else(|e| method_study(plan, method, &Err(e.into()), *seconds))
+            let study = |fit: &_| method_study(plan, method, (fit, *seconds), detail);
+            study(fit).or_else(|e| study(&Err(e.into())))
         })
         .collect::<Result<_, _>>()?;
     Ok(Comparison { recordings, methods, reference, dynamics })
@@ -97,8 +119,10 @@ fn describe(
     plan: &Plan,
     measured: &MeasuredRecording,
     dynamics: &dyn Dynamics,
+    detail: Detail,
 ) -> Result<RecordingStudy, SimulateError> {
     let r = &measured.recording;
+    let floor = if detail == Detail::Report { noise_floor } else { window_floor };
     Ok(RecordingStudy {
         role: measured.role,
         file: r.name().into(),
@@ -110,7 +134,7 @@ fn describe(
         noise: r.noise(),
         conditioning: measured.conditioning.clone(),
         findings: measured.findings.clone(),
-        floor: noise_floor(dynamics, r, plan.hold, plan.seed)?,
+        floor: floor(dynamics, r, plan.hold, plan.seed)?,
         t: r.t().to_vec(),
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
@@ -133,8 +157,8 @@ fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
 fn method_study(
     plan: &Plan,
     method: &MethodPlan,
-    fit: &Result<Fit, IdentifyError>,
-    seconds: f64,
+    (fit, seconds): (&Result<Fit, IdentifyError>, f64),
+    detail: Detail,
 ) -> Result<MethodStudy, SimulateError> {
     let nothing = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
     let fit = match fit {
@@ -142,7 +166,7 @@ fn method_study(
         Err(reason) => return Ok(MethodStudy { failure: Some(reason.clone()), ..nothing }),
     };
     let fuzzy = fit.dynamics.fuzzy();
-    let on = |m: &MeasuredRecording| performance(plan, &*fit.dynamics, &m.recording);
+    let on = |m: &MeasuredRecording| performance(plan, &*fit.dynamics, &m.recording, detail);
     Ok(MethodStudy {
         status: Some(fit.status),
         work: fit.work,
@@ -160,10 +184,14 @@ fn performance(
     plan: &Plan,
     dynamics: &dyn Dynamics,
     recording: &Recording,
+    detail: Detail,
 ) -> Result<Performance, SimulateError> {
     let simulated = simulate_recording(dynamics, recording, plan.hold)?;
-    let emulated = |structure| emulate(dynamics, recording, &plan.gain, structure, plan.hold);
-    let total = |states: &Result<Vec<State>, SimulateError>| {
+    let emulated = |structure| match detail {
+        Detail::Report => emulate(dynamics, recording, &plan.gain, structure, plan.hold).ok(),
+        Detail::Figures => None,
+    };
+    let total = |states: &Option<Vec<State>>| {
         states.as_ref().map_or(f64::INFINITY, |s| ise(recording, s).iter().sum())
     };
     let parallel = emulated(Structure::Parallel);

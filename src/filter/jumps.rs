@@ -19,6 +19,10 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     let prepared = recordings.iter().map(|r| prepare(r)).collect();
     let likelihood = Likelihood { prepared, hold, slow_moment: false, timing: false };
     let seen = likelihood.initial_noise();
+    // the usual case, for which the search is not needed
+    if likelihood.asks_for_noise(model, p, &seen) {
+        return 1.0;
+    }
     let (likely, _) = likelihood.noise(model, p, &seen);
     let value = |noise: &ProcessNoise| likelihood.value(model, p, noise);
     let Some((seen_value, likely_value)) = value(&seen).zip(value(&likely)) else { return 1.0 };

@@ -64,6 +64,14 @@ impl Likelihood<'_> {
         (best, count)
     }
 
+    /// Whether the likelihood rises with the noise of the input at `noise`, or is not known there, so that
+    /// [`Likelihood::noise`] does not find less.
+    pub(super) fn asks_for_noise(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> bool {
+        let search = NoiseSearch::new(self, model, p, noise.later);
+        let slopes = search.slopes(&search.to_logs(noise));
+        slopes.is_none_or(|slopes| slopes.gradient[0] >= 0.0)
+    }
+
     /// The most likely weight of the later input: the top of the parabola through three weights,
     /// between 0 and 1 (rows stamped half a sample early or late). A hold that the user states is
     /// used without an estimate.

@@ -10,7 +10,8 @@
 //! [x y] = Q R,   R'R = [x y]'[x y]
 //! ```
 //! Estimates, residual sums of squares and sums of scores over blocks, and therefore covariances,
-//! are the same from R as from the rows.
+//! are the same from R as from the rows. The contribution of noise to the sums, which is a random draw in any case, is
+//! measured in stretches distributed over the whole recording.
 //!
 //! Source: Lawson and Hanson, Solving Least Squares Problems, ch. 27 (sequential accumulation).
 
@@ -32,6 +33,9 @@ use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differen
 const SETTLED: f64 = 20.0;
 /// Smallest number of rows that are filtered at a time, without the margins.
 const CORE: usize = 1 << 16;
+/// Stretches of a recording in which the contribution of noise is measured: a million rows. A variance from 1000
+/// independent rows of each has a relative error of √(2/16000), one in a hundred.
+const NOISE_STRETCHES: usize = 16;
 
 /// The regression from every row: long recordings are read again, the others are in memory.
 /// `settings` are cut-off \[Hz\] and speed near rest [rad/s] if they are given; otherwise they are
@@ -54,7 +58,8 @@ pub(super) fn regression<'a>(
     let mut samples = 0;
     for (r, held) in task.train.iter().enumerate() {
         let source: &dyn Rows = of(r).map_or(held, |long| &*long.rows);
-        let mut reader = Reader::new(&out, r, &mut rows);
+        let samples_of = of(r).map_or(held.len(), |long| long.samples);
+        let mut reader = Reader::new(&out, r, samples_of, &mut rows);
         for block in source.blocks() {
             let wrong = |reason| IdentifyError::Rows { method: method.into(), reason };
             let block = block.map_err(wrong)?;
@@ -62,6 +67,7 @@ pub(super) fn regression<'a>(
             reader.take(block);
         }
         reader.end_piece();
+        reader.end();
     }
     rows.into_regression(&mut out);
     out.check_count(samples, method)?;
@@ -91,12 +97,25 @@ struct Reader<'a, 'b> {
     done: usize,
     /// Time of the first row of the piece \[s\].
     piece: f64,
+    /// Every how many stretches noise is measured, and how many there were.
+    every: usize,
+    stretches: usize,
+    /// Contribution of noise to `[x y]'[x y]` in the rows in which it is measured, their number, and that of all.
+    change: DMatrix<f64>,
+    measured: usize,
+    used: usize,
 }
 
 impl<'a, 'b> Reader<'a, 'b> {
-    fn new(regression: &'b Regression<'a>, r: usize, rows: &'b mut Triangles) -> Self {
+    fn new(
+        regression: &'b Regression<'a>,
+        r: usize,
+        samples: usize,
+        rows: &'b mut Triangles,
+    ) -> Self {
         let held = &regression.task.train[r];
         let seed = regression.task.seed.wrapping_add(r as u64);
+        let columns = rows.width + 1;
         Self {
             regression,
             treatment: regression.treatments[r],
@@ -113,6 +132,11 @@ impl<'a, 'b> Reader<'a, 'b> {
             dropped: 0,
             done: 0,
             piece: 0.0,
+            every: (samples / (CORE * NOISE_STRETCHES)).max(1),
+            stretches: 0,
+            change: DMatrix::zeros(columns, columns),
+            measured: 0,
+            used: 0,
         }
     }
 
@@ -200,11 +224,40 @@ impl<'a, 'b> Reader<'a, 'b> {
         }
         let source =
             Source { alpha: self.alpha.clone(), omega: omega.to_vec(), input: self.torque.clone() };
-        let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
-        let (plain, noisy) =
-            rayon::join(|| self.signals(&source, &movements), || self.signals(&noisy, &movements));
+        self.used += kept.len();
+        self.stretches += 1;
+        let is_measured = (self.stretches - 1).is_multiple_of(self.every);
+        let plain = if is_measured {
+            let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
+            let of = |source| self.signals(source, &movements);
+            let (plain, noisy) = rayon::join(|| of(&source), || of(&noisy));
+            self.measure_noise(&plain, &noisy, &kept);
+            plain
+        } else {
+            self.signals(&source, &movements)
+        };
         for k in kept {
-            self.rows.add(self.t[k] - self.piece, &plain, &noisy, k);
+            self.rows.add(self.t[k] - self.piece, &plain, k);
+        }
+    }
+
+    /// Adds the contribution of noise in the rows `kept`.
+    fn measure_noise(&mut self, plain: &Signals, noisy: &Signals, kept: &[usize]) {
+        let columns = self.rows.width + 1;
+        for &k in kept {
+            for wheel in 0..2 {
+                let change = |c: usize, _| noisy.at(wheel, c, k) - plain.at(wheel, c, k);
+                let change = DVector::from_fn(columns, change);
+                self.change.ger(1.0, &change, &change, 1.0);
+            }
+        }
+        self.measured += kept.len();
+    }
+
+    /// Hands on the contribution of noise, as that of all rows.
+    fn end(self) {
+        if self.measured > 0 {
+            self.rows.noise += self.change * (self.used as f64 / self.measured as f64);
         }
     }
 
@@ -262,7 +315,7 @@ impl Triangles {
     }
 
     /// Adds both rows of one sample, so many seconds after the start of its piece.
-    fn add(&mut self, since: f64, plain: &Signals, noisy: &Signals, k: usize) {
+    fn add(&mut self, since: f64, plain: &Signals, k: usize) {
         let number = self.first + (since / self.length) as usize;
         if number != self.number {
             self.close();
@@ -272,9 +325,6 @@ impl Triangles {
         let columns = self.width + 1;
         for wheel in 0..2 {
             self.open[wheel].extend((0..columns).map(|c| plain.at(wheel, c, k)));
-            let change = |c| noisy.at(wheel, c, k) - plain.at(wheel, c, k);
-            let change = DVector::from_fn(columns, |c, _| change(c));
-            self.noise.ger(1.0, &change, &change, 1.0);
             self.count += 1;
         }
     }

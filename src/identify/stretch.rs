@@ -10,7 +10,7 @@ use wide::f64x4;
 
 use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
-use crate::math::filter::{Extension, Section, butterworth, filter_both_ways};
+use crate::math::filter::{Extension, Section, butterworth, filter_both_ways, filter_within};
 use crate::model::Model;
 use crate::recording::{Noise, Recording};
 
@@ -250,7 +250,8 @@ impl Stretch<'_> {
         rows: &Range<usize>,
         out: &mut Signals,
     ) {
-        let (sections, edge) = (treatment.sections(treatment.cutoff), treatment.edge());
+        let sections = treatment.sections(treatment.cutoff);
+        let edge = treatment.edge().min(rows.len() - 1);
         let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
         let t = &self.t[rows.clone()];
         // the torques are filtered as often as the accelerations
@@ -258,7 +259,8 @@ impl Stretch<'_> {
         let speeds = lanes(&self.omega[rows.clone()]);
         let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);
         let width = out.width;
-        let mut groups = vec![vec![f64x4::ZERO; t.len()]; out.groups.len()];
+        // with room for what the filter adds before and after
+        let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; out.groups.len()];
         let mut balance = Balance::default();
         for k in 0..t.len() {
             let w = omega[k].as_array();
@@ -276,7 +278,7 @@ impl Stretch<'_> {
                 let torque = balance.total_torque(c, &a);
                 for wheel in 0..2 {
                     let place = wheel * (width + 1) + c;
-                    groups[place / 4][k].as_mut_array()[place % 4] = if c < width {
+                    groups[place / 4][edge + k].as_mut_array()[place % 4] = if c < width {
                         torque[wheel]
                     } else {
                         input[k].as_array()[wheel] - torque[wheel]
@@ -284,8 +286,9 @@ impl Stretch<'_> {
                 }
             }
         }
-        for (out, group) in out.groups.iter_mut().zip(&groups) {
-            out[rows.clone()].copy_from_slice(&even(group));
+        for (out, group) in out.groups.iter_mut().zip(&mut groups) {
+            filter_within(&sections, group, edge, Extension::Even);
+            out[rows.clone()].copy_from_slice(&group[edge..edge + t.len()]);
         }
     }
 }

@@ -6,6 +6,7 @@ mod keys;
 mod lists;
 mod named_cells;
 mod number;
+mod plain;
 mod style;
 mod unfold;
 

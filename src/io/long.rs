@@ -12,8 +12,11 @@ use crate::recording::{
     Channels, DriveUnit, LongRecording, Recording, RecordingError, Rows, RowsError, Survey,
 };
 
-/// Rows that are read at a time.
+/// Rows of a text that are read at a time.
 const BLOCK: usize = 1 << 17;
+/// Rows of a Parquet file that are read at a time: a group of rows as most programs write it, which is unpacked as a
+/// whole.
+const GROUP: usize = 1 << 18;
 
 /// A recording of more than `hold_rows` rows: windows of it to hold, a way to read all rows again,
 /// and the SHA-256 of the file. `None` if the file has fewer rows, or is of a format that is only
@@ -87,7 +90,7 @@ impl LongFile {
                 }
                 _ => {
                     parquet::check(&self.path, &self.names)?;
-                    Box::new(|from| parquet::read_rows(&self.path, self.names.clone(), from, BLOCK))
+                    Box::new(|from| parquet::read_rows(&self.path, self.names.clone(), from, GROUP))
                 }
             };
         let mut place = Place::default();

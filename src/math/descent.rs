@@ -124,7 +124,8 @@ impl Damping {
 ///
 /// `evaluate` gives cost, gradient and curvature, `cost_only` the cost of a trial; both return
 /// `None` where the cost does not exist, and such a trial, like one that is not finite, is a
-/// rejected step. Parameters at an active bound are fixed; steps are truncated at the bounds.
+/// rejected step. Parameters at an active bound are fixed, also those that the step of all would move beyond it; steps are
+/// truncated at the bounds.
 /// Scaling makes the result independent of units.
 ///
 /// Source: D. W. Marquardt, J. SIAM 11 (1963); damping rule of H. B. Nielsen, IMM-REP-1999-05.
@@ -248,6 +249,8 @@ where
 /// The quadratic model over the parameters that are free to move, in scaled units.
 struct Model {
     free: Vec<usize>,
+    /// Whether a free parameter is at its lower and at its upper bound.
+    bound: Vec<[bool; 2]>,
     root: DVector<f64>,
     gradient: DVector<f64>,
     curvature: DMatrix<f64>,
@@ -256,12 +259,13 @@ struct Model {
 
 impl Model {
     fn at(x: &DVector<f64>, q: &Quadratic, options: &MinimiseOptions) -> Self {
-        let held = |i: usize| {
-            let low = options.lower.as_ref().is_some_and(|b| x[i] <= b[i]) && q.gradient[i] > 0.0;
-            let high = options.upper.as_ref().is_some_and(|b| x[i] >= b[i]) && q.gradient[i] < 0.0;
-            low || high
+        let bound = |i: usize| {
+            let low = options.lower.as_ref().is_some_and(|b| x[i] <= b[i]);
+            [low, options.upper.as_ref().is_some_and(|b| x[i] >= b[i])]
         };
+        let held = |i: usize| goes_beyond(bound(i), -q.gradient[i]);
         let free: Vec<usize> = (0..x.len()).filter(|&i| !held(i)).collect();
+        let bound = free.iter().map(|&i| bound(i)).collect();
         let n = free.len();
         let root = DVector::from_fn(n, |k, _| {
             let h = q.hessian[(free[k], free[k])];
@@ -270,12 +274,12 @@ impl Model {
         let gradient = DVector::from_fn(n, |k, _| q.gradient[free[k]] / root[k]);
         let curvature =
             DMatrix::from_fn(n, n, |k, l| q.hessian[(free[k], free[l])] / root[k] / root[l]);
-        Self { free, root, gradient, curvature, size: x.len() }
+        Self { free, bound, root, gradient, curvature, size: x.len() }
     }
 
     /// The damped step, zero for held parameters; none if the damped curvature is not positive.
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
-        let scaled = self.solve(damping)?;
+        let scaled = self.scaled_step(damping)?;
         let mut step = DVector::zeros(self.size);
         for (k, &i) in self.free.iter().enumerate() {
             step[i] = scaled[k] / self.root[k];
@@ -283,14 +287,32 @@ impl Model {
         Some(step)
     }
 
+    /// The step in scaled units. Truncating it at a bound would leave the others with their answer to a move that is not
+    /// made, so parameters at a bound that it would cross stay there.
+    fn scaled_step(&self, damping: f64) -> Option<DVector<f64>> {
+        let mut moving: Vec<usize> = (0..self.free.len()).collect();
+        loop {
+            let step = self.solve(&moving, damping)?;
+            let steps = moving.iter().zip(step.iter());
+            let inside = steps.filter(|(k, d)| !goes_beyond(self.bound[**k], **d));
+            let inside: Vec<usize> = inside.map(|(k, _)| *k).collect();
+            if inside.len() == moving.len() {
+                let mut all = DVector::zeros(self.free.len());
+                moving.iter().zip(step.iter()).for_each(|(&k, d)| all[k] = *d);
+                return Some(all);
+            }
+            moving = inside;
+        }
+    }
+
     /// By Cholesky: [`super::Information::solve_damped`] leaves out directions without curvature, in which a bounded
     /// descent has to move.
-    fn solve(&self, damping: f64) -> Option<DVector<f64>> {
-        let mut damped = self.curvature.clone();
-        for k in 0..self.free.len() {
+    fn solve(&self, moving: &[usize], damping: f64) -> Option<DVector<f64>> {
+        let mut damped = self.curvature.select_rows(moving).select_columns(moving);
+        for k in 0..moving.len() {
             damped[(k, k)] += damping.max(RIDGE);
         }
-        Cholesky::new(damped).map(|c| -c.solve(&self.gradient))
+        Cholesky::new(damped).map(|c| -c.solve(&self.gradient.select_rows(moving)))
     }
 
     /// Whether even the undamped step predicts a negligible decrease.
@@ -299,8 +321,13 @@ impl Model {
             return true;
         }
         let tolerance = options.tolerance(q.cost);
-        self.solve(RIDGE).is_some_and(|step| -0.5 * self.gradient.dot(&step) <= tolerance)
+        self.scaled_step(RIDGE).is_some_and(|step| -0.5 * self.gradient.dot(&step) <= tolerance)
     }
+}
+
+/// Whether a parameter at its lower or its upper bound would leave it outwards by a step.
+fn goes_beyond([low, high]: [bool; 2], step: f64) -> bool {
+    (low && step < 0.0) || (high && step > 0.0)
 }
 
 fn expected_decrease(q: &Quadratic, step: &DVector<f64>) -> f64 {

@@ -65,6 +65,22 @@ fn a_bound_is_held_and_the_other_parameters_adapt_as_in_scipy() {
 }
 
 #[test]
+fn a_parameter_that_a_step_would_move_beyond_its_bound_does_not_move_the_others() {
+    // ½ (x - c)' H (x - c) with c = (-1, 3), x1 not negative: minimum at (0, 2.1). The gradient at (0, 0) points inwards
+    let hessian = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
+    let quadratic = |x: &DVector<f64>| {
+        let from = x - DVector::from_row_slice(&[-1.0, 3.0]);
+        let gradient = &hessian * &from;
+        Quadratic { cost: 0.5 * from.dot(&gradient), gradient, hessian: hessian.clone() }
+    };
+    let lower = Some(DVector::from_row_slice(&[0.0, -9.0]));
+    let options = MinimiseOptions { lower, initial_damping: 1e-12, ..MinimiseOptions::default() };
+    let found = run(quadratic, &[0.0, 0.0], &options);
+    assert_eq!((found.status, found.iterations), (MinimumStatus::Converged, 1));
+    assert!((found.x - DVector::from_row_slice(&[0.0, 2.1])).amax() < 1e-9);
+}
+
+#[test]
 fn the_valley_of_rosenbrock_is_followed_to_its_end_in_any_units() {
     let plain = run(rosenbrock, &[-1.2, 1.0], &MinimiseOptions::default());
     assert_eq!(plain.status, MinimumStatus::Converged);

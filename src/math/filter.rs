@@ -27,20 +27,30 @@ pub struct Section {
     pub denominator: [f64; 2],
 }
 
+/// State of a section: the weighted values before.
+struct Memory<T> {
+    next: T,
+    later: T,
+}
+
 impl Section {
-    /// Filters in place (transposed direct form II), starting in the steady state of the `first` value.
-    fn run<'s, T: Sample + 's>(&self, first: T, signal: impl Iterator<Item = &'s mut T>) {
-        let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
+    /// The steady state of the `first` value.
+    #[inline]
+    fn steady<T: Sample>(&self, first: T) -> Memory<T> {
+        let ([_, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let steady = first * self.steady_gain();
-        let mut later = first * b2 - steady * a2;
-        let mut next = first * b1 - steady * a1 + later;
-        for value in signal {
-            let x = *value;
-            let y = x * b0 + next;
-            next = x * b1 - y * a1 + later;
-            later = x * b2 - y * a2;
-            *value = y;
-        }
+        let later = first * b2 - steady * a2;
+        Memory { next: first * b1 - steady * a1 + later, later }
+    }
+
+    /// The next value (transposed direct form II).
+    #[inline]
+    fn step<T: Sample>(&self, x: T, memory: &mut Memory<T>) -> T {
+        let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
+        let y = x * b0 + memory.next;
+        memory.next = x * b1 - y * a1 + memory.later;
+        memory.later = x * b2 - y * a2;
+        y
     }
 
     fn steady_gain(&self) -> f64 {
@@ -146,14 +156,31 @@ pub(crate) fn filter_within<T: Sample>(
     extension: Extension,
 ) {
     extend(signal, edge, extension);
-    for section in sections {
+    for sections in sections.chunks(2) {
         let Some(&first) = signal.first() else { return };
-        section.run(first, signal.iter_mut());
+        run(sections, first, signal.iter_mut());
     }
-    for section in sections {
+    for sections in sections.chunks(2) {
         let Some(&last) = signal.last() else { return };
-        section.run(last, signal.iter_mut().rev());
+        run(sections, last, signal.iter_mut().rev());
     }
+}
+
+/// Filters in place by one section, or by two in one pass, in which a value of the second is computed beside the
+/// next one of the first; starts in the steady state of the `first` value.
+fn run<'s, T: Sample + 's>(
+    sections: &[Section],
+    first: T,
+    signal: impl Iterator<Item = &'s mut T>,
+) {
+    let Some((one, others)) = sections.split_first() else { return };
+    let mut before = one.steady(first);
+    let Some(two) = others.first() else {
+        return signal.for_each(|value| *value = one.step(*value, &mut before));
+    };
+    let between = one.step(first, &mut one.steady(first));
+    let mut after = two.steady(between);
+    signal.for_each(|value| *value = two.step(one.step(*value, &mut before), &mut after));
 }
 
 /// Fills `edge` samples at each end with the extension of the signal between them.

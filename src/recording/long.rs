@@ -136,8 +136,9 @@ impl Survey {
                 previous: self.span.1,
             });
         }
-        let of = |rows: &Option<Vec<[f64; 2]>>| rows.clone().unwrap_or_default();
-        let columns = [("dalpha", &of(omega)[..]), ("M", &torque[..]), ("alpha", &of(alpha)[..])];
+        let (alpha, omega) =
+            (alpha.as_deref().unwrap_or_default(), omega.as_deref().unwrap_or_default());
+        let columns = [("dalpha", omega), ("M", torque), ("alpha", alpha)];
         limits::check(&self.name, t, self.step, columns)
     }
 

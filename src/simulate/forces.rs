@@ -4,6 +4,7 @@ use std::convert::Infallible;
 
 use super::friction::{Contact, along_freedom, contact, friction};
 use super::input_line::InputLine;
+use super::steady::Steady;
 use super::sum::Sum;
 use crate::effects::{BASE, BodyState, DIRECTIONS, Effect, Motion, Terms, along};
 use crate::math::{runge_kutta_from, runge_kutta_motion};
@@ -37,7 +38,7 @@ pub(super) struct Forces<'m> {
     t0: f64,
     /// All effects; for a two-mass drivetrain those on the wheels only.
     pub(super) wheel: Sum<'m>,
-    behind: Option<Behind<'m>>,
+    pub(super) behind: Option<Behind<'m>>,
     /// Inverse of the mass matrix, if it is constant.
     pub(super) inverse: Option<[f64; 3]>,
     /// Contribution of the polynomial of the speeds to the accelerations, for a constant mass matrix.
@@ -48,9 +49,11 @@ pub(super) struct Forces<'m> {
 }
 
 /// The second mass of a two-mass drivetrain.
-struct Behind<'m> {
-    coupling: (&'m dyn Effect, &'m [f64]),
-    body: Sum<'m>,
+pub(super) struct Behind<'m> {
+    pub(super) coupling: (&'m dyn Effect, &'m [f64]),
+    pub(super) body: Sum<'m>,
+    /// Both masses with their coupling, if they are constant.
+    pub(super) steady: Option<Steady>,
 }
 
 /// Terms on the wheels at one instant; for a two-mass drivetrain also the terms of the body and the torques
@@ -70,8 +73,11 @@ impl<'m> Forces<'m> {
         let coupling = places().find(|(effect, p)| effect.coupling(&x, p).is_some());
         let of_body = |e: &dyn Effect| coupling.is_some() && e.energy().of_the_body();
         let wheel = Sum::new(model, p, &x, |e| !of_body(e));
-        let behind =
-            coupling.map(|coupling| Behind { coupling, body: Sum::new(model, p, &x, of_body) });
+        let behind = coupling.map(|coupling| {
+            let body = Sum::new(model, p, &x, of_body);
+            let steady = Steady::new(coupling.0.coupling(&x, coupling.1), &wheel, &body);
+            Behind { coupling, body, steady }
+        });
         let steady = behind.is_none() && wheel.has_constant_mass();
         let inverse = if steady { inverse_mass(&wheel.constant.mass).ok() } else { None };
         let (level, rough) = (wheel.level(&x), !wheel.has_constant_levels());
@@ -87,7 +93,7 @@ impl<'m> Forces<'m> {
 
     /// The fastest rate of a coupling [1/s], determined by the lighter of rotor and body.
     pub(super) fn coupling_rate(&self, t: f64, y: &Vector) -> Option<f64> {
-        let Behind { coupling: (effect, p), body } = self.behind.as_ref()?;
+        let Behind { coupling: (effect, p), body, .. } = self.behind.as_ref()?;
         let x = self.motion(t, y);
         Some(effect.coupling(&x, p)?.fastest_rate(&body.at(&x).mass))
     }
@@ -375,6 +381,6 @@ fn with_body(y: &Vector, a: [f64; 2], acting: &Acting) -> Result<Vector, ModelEr
 }
 
 /// The instant at share `c` of the interval from `t` to `to`; at the end exactly `to`.
-fn instant(t: f64, to: f64, c: f64) -> f64 {
+pub(super) fn instant(t: f64, to: f64, c: f64) -> f64 {
     if c < 1.0 { t + c * (to - t) } else { to }
 }

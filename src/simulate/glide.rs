@@ -22,9 +22,9 @@ pub(super) struct Glide {
 
 /// Friction signs of directions that move, and the one that sticks.
 #[derive(Clone, Copy)]
-struct Sliding {
-    sign: [f64; 4],
-    stuck: Option<usize>,
+pub(super) struct Sliding {
+    pub(super) sign: [f64; 4],
+    pub(super) stuck: Option<usize>,
 }
 
 impl Glide {
@@ -162,7 +162,7 @@ impl Forces<'_> {
 
     /// The friction signs for these levels; `None` if two directions with friction are at rest.
     #[inline]
-    fn sliding(level: &[f64; 4], y: &Vector) -> Option<Sliding> {
+    pub(super) fn sliding(level: &[f64; 4], y: &Vector) -> Option<Sliding> {
         let omega = [y[2], y[3]];
         let (mut sign, mut stuck) = ([0.0; 4], None);
         for (j, sign) in sign.iter_mut().enumerate() {

@@ -3,6 +3,7 @@
 
 mod batch;
 mod carry;
+mod coupled_glide;
 pub mod dynamics;
 mod emulator;
 mod event;
@@ -17,6 +18,7 @@ mod movement;
 mod recorder;
 mod sensitivity;
 mod simulation;
+mod steady;
 mod stepper;
 mod sum;
 mod takagi_sugeno;

@@ -159,6 +159,11 @@ impl<'m> Stepper<'m> {
             self.y = end;
             return Ok(());
         }
+        if let Some((start, end)) = self.forces.glide_coupled(from, to, &self.y, input) {
+            observer.smooth(&self.forces, &start, to, &end, input);
+            self.y = end;
+            return Ok(());
+        }
         let mut start = self.forces.depart(from, &self.y, input)?;
         for event in 0.. {
             let whole = self.forces.step(&start, to, input)?;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::resolve::resolve_cell;
 use super::word::Word;
 use crate::experiment::combinations::GridPlan;
-use crate::experiment::comparison::{Comparison, compare};
+use crate::experiment::comparison::{Comparison, compare_figures};
 use crate::experiment::diagnosis::diagnose;
 use crate::experiment::fits::fits;
 use crate::identify::{Estimate, Status};
@@ -144,7 +144,7 @@ pub(super) fn run_cell(grid: &GridPlan, cell: usize, key: String, methods: &[&st
         // without the file name, which may differ between machines
         Err(e) => return Cell { rows: failed(e.without_file()), ..out },
     };
-    let comparison = match compare(&plan, &fits(&plan)) {
+    let comparison = match compare_figures(&plan, &fits(&plan)) {
         Ok(comparison) => comparison,
         Err(e) => return Cell { rows: failed(e.to_string()), ..out },
     };

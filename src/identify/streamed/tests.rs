@@ -156,6 +156,26 @@ fn memory_holds_a_triangle_a_block_and_wheel() {
 }
 
 #[test]
+fn noise_of_some_stretches_is_that_of_all() {
+    let model = Model::base(Robot::amigobot());
+    let train = [recording(true)];
+    let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 1 };
+    let of = |times: usize| {
+        let long = as_in_file(&train[0]);
+        // the number of rows decides in how many stretches
+        let long = LongRecording { samples: times * long.samples, ..long };
+        regression(&task, &[Some(&long)], (None, None), 0.035, "torque_regression").unwrap()
+    };
+    let (all, some) = (of(1), of(14));
+    assert_eq!((&all.x, &all.y), (&some.x, &some.y));
+    for c in 0..all.noise.ncols() {
+        let ratio = some.noise[(c, c)] / all.noise[(c, c)];
+        // half of some 1000 independent rows: √(2/500), 6 %, five times
+        assert!(all.noise[(c, c)] == 0.0 || (ratio - 1.0).abs() < 0.3, "{c}: {ratio}");
+    }
+}
+
+#[test]
 fn rows_that_cannot_be_read_again_are_an_error_in_words() {
     struct Gone;
     impl Rows for Gone {

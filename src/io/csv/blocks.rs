@@ -6,7 +6,8 @@ use std::path::Path;
 
 use polars::prelude::DataFrame;
 
-use super::{Layout, is_row, split};
+use super::plain::plain;
+use super::{Layout, Style, is_row, split};
 use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
@@ -34,6 +35,10 @@ pub(in crate::io) struct Blocks<'a> {
     layout: &'a Layout,
     /// Names and indices of the required columns.
     wanted: Vec<(&'a str, usize)>,
+    /// Whether a cell of digits with a point can only be that number.
+    is_plain: bool,
+    /// First bytes of the cells of a row, and of the one after the last.
+    cells: Vec<usize>,
     lines: BufReader<File>,
     text: Vec<u8>,
     /// Number of lines read.
@@ -55,14 +60,18 @@ impl<'a> Blocks<'a> {
         let wanted = names.iter().map(|n| (n.as_str(), place(n))).collect();
         let lines = BufReader::with_capacity(1 << 16, file);
         let header = 1 + layout.units;
-        Ok(Self { path, layout, wanted, lines, text: vec![], line: 0, header, row: 0 })
+        let is_plain = layout.directions.is_empty() && layout.style != Style::PointedThousands;
+        let (text, cells) = (vec![], vec![]);
+        Ok(Self { path, layout, wanted, is_plain, cells, lines, text, line: 0, header, row: 0 })
     }
 
     /// The next rows, at most `rows`; empty at the end.
     pub(in crate::io) fn next_rows(&mut self, rows: usize) -> Result<DataFrame, IoError> {
         let mut values = vec![Vec::with_capacity(rows); self.wanted.len()];
         while values.first().is_some_and(|v| v.len() < rows) && self.next_line()? {
-            self.parse(&mut values)?;
+            if !self.parse_plain(&mut values) {
+                self.parse(&mut values)?;
+            }
         }
         frame(self.path, self.wanted.iter().map(|(name, _)| *name).zip(values))
     }
@@ -88,6 +97,32 @@ impl<'a> Blocks<'a> {
                 return Ok(true);
             }
         }
+    }
+
+    /// Parses a row with one plain number in each of the required columns; `false` for any other row.
+    fn parse_plain(&mut self, values: &mut [Vec<f64>]) -> bool {
+        let (text, separator) = (self.text.trim_ascii_end(), self.layout.separator);
+        self.cells.clear();
+        self.cells.push(0);
+        let parted = text.iter().enumerate().filter(|(_, byte)| **byte == separator);
+        self.cells.extend(parted.map(|(k, _)| k + 1));
+        self.cells.push(text.len() + 1);
+        let as_named = self.cells.len() == self.layout.names.len() + 1;
+        if !(self.is_plain && as_named) || text.contains(&b'"') {
+            return false;
+        }
+        let row = values.first().map_or(0, Vec::len);
+        for ((_, place), column) in self.wanted.iter().zip(&mut *values) {
+            let cell = &text[self.cells[*place]..self.cells[place + 1] - 1];
+            match plain(cell.trim_ascii()) {
+                Some(value) => column.push(value),
+                None => {
+                    values.iter_mut().for_each(|column| column.truncate(row));
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     fn parse(&self, values: &mut [Vec<f64>]) -> Result<(), IoError> {

@@ -7,11 +7,10 @@ pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-
 
 /// A cell of data as a number; NaN for a missing value.
 pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
-    let bare = cell.trim().trim_matches('"').trim().to_lowercase();
-    if ABSENT.contains(&bare.as_str()) {
-        return Some(f64::NAN);
-    }
-    number(cell, style).or_else(|| date_time(&bare))
+    number(cell, style).or_else(|| {
+        let bare = cell.trim().trim_matches('"').trim().to_lowercase();
+        if ABSENT.contains(&bare.as_str()) { Some(f64::NAN) } else { date_time(&bare) }
+    })
 }
 
 /// A cell as a number that is written in that style.

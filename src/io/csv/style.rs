@@ -162,16 +162,27 @@ impl Evidence {
 pub(super) fn of_file(path: &Path, layout: &Layout) -> Result<Style, IoError> {
     let separator = char::from(layout.separator);
     let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
-    let lines = BufReader::with_capacity(1 << 16, file).split(b'\n');
-    let rows = lines.map_while(Result::ok).filter(|line| is_row(line));
+    let mut lines = BufReader::with_capacity(1 << 16, file);
     let (mut evidence, mut has_quotes) = (Evidence::default(), false);
-    for line in rows.skip(1 + layout.units) {
+    let (mut line, mut header) = (vec![], 1 + layout.units);
+    loop {
+        line.clear();
+        if !lines.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+            break;
+        }
+        if !is_row(&line) {
+            continue;
+        }
+        if header > 0 {
+            header -= 1;
+            continue;
+        }
         has_quotes |= line.contains(&b'"');
         // without a quoted cell only numbers without commas were seen
         if separator == ',' && !has_quotes && evidence.points > 0 {
             continue;
         }
-        let text = String::from_utf8_lossy(&line);
+        let text = String::from_utf8_lossy(line.strip_suffix(b"\n").unwrap_or(&line));
         if text.contains('"') {
             split(&text, separator).iter().enumerate().for_each(|(k, c)| evidence.see(k, c));
         } else {

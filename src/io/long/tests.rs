@@ -44,12 +44,12 @@ fn long(
     read_long_recording(path, &ColumnMap::default(), DriveUnit::NewtonMetre, hold_rows)
 }
 
-/// All blocks of a file one behind the other.
+/// Both blocks of a file of so many rows one behind the other.
 #[track_caller]
-fn assert_reads_as_a_whole(path: &Path) {
+fn assert_reads_as_a_whole(path: &Path, rows: usize) {
     let (whole, sum) = read_recording(path, &ColumnMap::default(), DriveUnit::NewtonMetre).unwrap();
     let (windows, long, again) = long(path, 1000).unwrap().unwrap();
-    assert_eq!((long.samples, long.duration, again), (ROWS, whole.duration(), sum));
+    assert_eq!((long.samples, long.duration, again), (rows, whole.duration(), sum));
     assert!(windows.len() < whole.len() + 1 && windows.measured() == whole.measured());
     let (mut t, mut omega, mut torque) = (vec![], vec![], vec![]);
     let mut blocks = 0;
@@ -69,18 +69,23 @@ fn assert_reads_as_a_whole(path: &Path) {
 fn blocks_of_a_text_are_the_rows_of_the_whole() {
     for (separator, comma) in [(",", false), (";", true), ("\t", false)] {
         let (_folder, path) = written("run.csv", csv(separator, comma).as_bytes());
-        assert_reads_as_a_whole(&path);
+        assert_reads_as_a_whole(&path, ROWS);
     }
+    // rows of plain numbers
+    let plain = csv(",", false).replace("\"x,y\"", "-7.5");
+    let (_folder, path) = written("run.csv", plain.as_bytes());
+    assert_reads_as_a_whole(&path, ROWS);
 }
 
 #[test]
 fn blocks_of_parquet_are_the_rows_of_the_whole() {
+    let rows = GROUP + 500;
     let column =
-        |j: usize| TableColumn::Number(NAMES[j].into(), (0..ROWS).map(|k| value(k, j)).collect());
+        |j: usize| TableColumn::Number(NAMES[j].into(), (0..rows).map(|k| value(k, j)).collect());
     let columns: Vec<TableColumn> = (0..5).map(column).collect();
     let bytes = write_parquet_table(Path::new("run.parquet"), &columns).unwrap();
     let (_folder, path) = written("run.parquet", &bytes);
-    assert_reads_as_a_whole(&path);
+    assert_reads_as_a_whole(&path, rows);
 }
 
 #[test]

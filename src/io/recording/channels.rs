@@ -138,7 +138,8 @@ fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<
             .map(|(k, c)| csv::value(c, csv::Style::Either).ok_or_else(|| broken(k, c)))
             .collect();
     }
-    let column = column.cast(&DataType::Float64).map_err(wrong)?;
-    let values = column.f64().map_err(wrong)?.iter();
-    Ok(values.map(|v| v.unwrap_or(f64::NAN)).collect())
+    let column = column.cast(&DataType::Float64).map_err(wrong)?.rechunk();
+    let values = column.f64().map_err(wrong)?;
+    let all = values.cont_slice().map(<[f64]>::to_vec);
+    Ok(all.unwrap_or_else(|_| values.iter().map(|v| v.unwrap_or(f64::NAN)).collect()))
 }

@@ -77,6 +77,7 @@ fn polyline(
     dash: Dash,
 ) -> Result<(), ReportError> {
     let places: Vec<Point> = points.iter().map(|p| frame.at(*p)).collect();
+    let is_whole = runs(&places).count() == 1;
     for run in runs(&places) {
         if let [single] = run {
             if frame.rect.contains(*single) {
@@ -84,7 +85,7 @@ fn polyline(
             }
             continue;
         }
-        let thinned = decimate(run, 1000);
+        let thinned = decimate(run, if is_whole { COLUMNS } else { columns(run, frame) });
         // a line that oscillates this much would appear as a solid area with a thick stroke
         let travel: f64 = thinned.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).sum();
         let crowded = travel > 8.0 * frame.rect.width();
@@ -94,6 +95,18 @@ fn polyline(
         }
     }
     Ok(())
+}
+
+/// Columns of a picture over which a line is thinned.
+const COLUMNS: usize = 1000;
+
+/// Those under one of several runs; all of them for a line that turns back.
+fn columns(run: &[Point], frame: &Frame) -> usize {
+    if run.windows(2).any(|pair| pair[1].0 < pair[0].0) {
+        return COLUMNS;
+    }
+    let share = (run[run.len() - 1].0 - run[0].0) / frame.rect.width();
+    (COLUMNS as f64 * share).ceil().clamp(1.0, COLUMNS as f64) as usize
 }
 
 /// Infinite edges extend to the border; a missing edge interrupts the band.
