@@ -9,6 +9,7 @@ use super::unexplained_torque::Variable;
 use crate::math::distribution::chi2_log_survival;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::simulate::Hold;
 
 /// Length of the blocks whose sums are treated as independent \[s\].
 const BLOCK: f64 = 1.0;
@@ -81,6 +82,8 @@ pub struct Unexplained<'a> {
     pub model: &'a Model,
     /// Values of its parameters.
     pub p: &'a [f64],
+    /// The input between the rows.
+    pub hold: Hold,
     /// Residual torque, one list per recording [N m].
     pub torque: &'a [Vec<[f64; 2]>],
 }
@@ -118,7 +121,7 @@ pub fn curves(
     let [of_motion, of_torque] =
         [0, 1].map(|i| split.iter().map(|pair| &pair[i]).collect::<Vec<_>>());
     let again = |u: Unexplained<'_>| -> Vec<Vec<[f64; 2]>> {
-        of_torque.iter().map(|r| residual_torque(u.model, u.p, r, cutoff)).collect()
+        of_torque.iter().map(|r| residual_torque(u.model, u.p, r, u.hold, cutoff)).collect()
     };
     let (torque, torque_after) = (again(before), after.map(again));
     let after_split = after.zip(torque_after.as_deref());

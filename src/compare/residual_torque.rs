@@ -5,6 +5,7 @@ use crate::effects::{Motion, along};
 use crate::math::Real;
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
+use crate::simulate::{Hold, at_rows};
 
 /// Speed, as a share of the top speed, below which a row counts as rest: after the low-pass the direction of
 /// dry friction is unknown there.
@@ -17,6 +18,7 @@ pub(crate) const WIDTH: f64 = 0.00125;
 /// ```text
 /// r = LP(acting input) - LP(mass dω/dt + torque + dry friction),   on the motion after the low-pass LP
 /// ```
+/// The acting input is that at the time of the row, of an input that is held the mean before and after it.
 /// The zero-phase low-pass with cut-off `cutoff` \[Hz\] is applied to both sides. A second mass behind the
 /// wheels is not included in the balance.
 #[must_use]
@@ -24,13 +26,15 @@ pub fn residual_torque(
     model: &Model,
     p: &[f64],
     recording: &Recording,
+    hold: Hold,
     cutoff: f64,
 ) -> Vec<[f64; 2]> {
     let t = recording.t();
     let motion = smooth_motion(recording, cutoff);
     let top = recording.top_speed().max(f64::MIN_POSITIVE);
     // the motion has passed the filter once before it is filtered as torque, so the input passes it twice
-    let acting = filtered(recording, cutoff, &model.input_of(recording, recording.torque(), p));
+    let acting = model.input_of(recording, recording.torque(), p);
+    let acting = filtered(recording, cutoff, &at_rows(recording.pieces(), &acting, hold));
     let balance = |(k, m): (usize, &LocalMotion)| {
         let x = motion_of(model, t[k] - t[0], m);
         let sign = std::array::from_fn(|j| Real::erf(along(j, &m.omega) / (WIDTH * top)));

@@ -46,7 +46,7 @@ pub(super) fn of_reference(plan: &Plan, comparison: &Comparison) -> Result<Model
     let cutoff = stage.cutoff(model, p);
     let parameters = of_method(model, comparison.reference_method());
     let given = stage.physical((model, p), parameters, model.added_ids(), cutoff)?;
-    let before = Unexplained { model, p, torque: &given.residual_torque };
+    let before = Unexplained { model, p, hold: plan.hold, torque: &given.residual_torque };
     let curves = curves(&stage.recordings, cutoff, before, None);
     Ok(Models { given, completed: None, curves })
 }
@@ -74,7 +74,8 @@ pub(super) fn of_diagnosis(
         found => Some(study_of(last, found)?),
     };
     let after = completed.as_ref().map(|study| &study.residual_torque[..]);
-    let curves = curves_of(diagnosis, &stage.recordings, cutoff, &given.residual_torque, after);
+    let curves =
+        curves_of(diagnosis, &stage.recordings, plan.hold, cutoff, &given.residual_torque, after);
     Ok(Models { given, completed, curves })
 }
 
@@ -116,7 +117,7 @@ impl<'a> Stage<'a> {
         cutoff: f64,
     ) -> Result<ModelStudy, RunError> {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        let residual_torque = residual_torques(model, p, &self.recordings, cutoff);
+        let residual_torque = residual_torques(model, p, &self.recordings, self.plan.hold, cutoff);
         let analysis = whiteness(model, p, &self.judged_recordings(), self.plan.hold)?;
         let (performance, horizons) = self.simulated(&dynamics)?;
         Ok(ModelStudy {

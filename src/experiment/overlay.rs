@@ -6,7 +6,7 @@ use crate::diagnose::with_later_input;
 use crate::effects::{Motion, Terms, along};
 use crate::math::sgn;
 use crate::recording::{LocalMotion, Recording};
-use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
+use crate::simulate::{Hold, PhysicalDynamics, SimulateError, at_rows};
 
 /// A recording with its simulations, as a table of numbers with one row per sample.
 ///
@@ -88,16 +88,17 @@ impl Table {
         };
         self.pair(|i| format!("dalpha{i}_simulated{mark}_rad_s"), &speeds(&simulated.free));
         self.pair(|i| format!("dalpha{i}_simulated_2s{mark}_rad_s"), &speeds(&simulated.windows));
-        let residual = residual_torque(fitted, recording);
+        let residual = residual_torque(fitted, recording, hold);
         self.pair(|i| format!("residual_torque{i}{mark}_{unit}"), &residual);
         Ok(())
     }
 }
 
 /// The acting input minus inertial, resisting and friction torques.
-fn residual_torque(fitted: &FittedModel, recording: &Recording) -> Vec<[f64; 2]> {
+fn residual_torque(fitted: &FittedModel, recording: &Recording, hold: Hold) -> Vec<[f64; 2]> {
     let p = fitted.values();
     let acting = fitted.model.input_of(recording, recording.torque(), &p);
+    let acting = at_rows(recording.pieces(), &acting, hold);
     let row = |(k, m): (usize, &LocalMotion)| {
         let needed = needed(&fitted.model.terms(&at(fitted, recording, k), &p), m);
         [0, 1].map(|i| acting[k][i] - needed[i])

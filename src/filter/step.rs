@@ -149,7 +149,10 @@ impl<B: Body<N>, const N: usize> Dynamics<N> for Step<B> {
         let (mut decay, mut reversals) = (1.0, [0.0_f64; 4]);
         for part in 0..parts {
             if part > 0 {
-                braked = self.body.evaluate(sample, &at, mean)?;
+                let middle = |i: usize| mean[i] + 0.5 * h * mean[2 + i];
+                let alpha = [0, 1].map(middle);
+                let here = Predicted { alpha, ..start_of(sample, mean, covariance) };
+                braked = self.body.evaluate(sample, &here, mean)?;
             }
             let (omega, variances) = ([mean[2], mean[3]], speed_variances(covariance));
             let Braked { level, mobility } = &braked;

@@ -7,7 +7,7 @@ use crate::effects::{Motion, Terms, along, with_friction};
 use crate::math::sgn;
 use crate::model::{Linearisation, Model, SpeedPolynomial, Variation, times};
 use crate::recording::Recording;
-use crate::simulate::Hold;
+use crate::simulate::at_rows;
 
 /// Separates the torque balance of a model into contributions of its linear parameters.
 ///
@@ -93,17 +93,7 @@ pub(super) fn input_along(
     pieces: &[Range<usize>],
     input: &[[f64; 2]],
 ) -> Vec<[f64; 2]> {
-    let acting = task.model.input(t, input, &task.model.initial());
-    if task.hold == Hold::Linear {
-        return acting;
-    }
-    let mut out = acting.clone();
-    for piece in pieces {
-        for k in piece.start + 1..piece.end {
-            out[k] = [0, 1].map(|i| 0.5 * (acting[k - 1][i] + acting[k][i]));
-        }
-    }
-    out
+    at_rows(pieces, &task.model.input(t, input, &task.model.initial()), task.hold)
 }
 
 /// Mass and torque of every column at one instant; the last entry is the part with all linear

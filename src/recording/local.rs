@@ -83,8 +83,8 @@ impl Recording {
         // once for all rows: it counts them
         let refresh = self.rows_per_refresh();
         for i in 0..2 {
-            // rows that repeat the last value show no corner
-            let angles_alone = !self.measured().omega && refresh == 1;
+            // rows that repeat the last value, and counts that hide the speed, show no corner
+            let angles_alone = !self.measured().omega && refresh == 1 && self.reach() == 1;
             let corners = angles_alone.then(|| Corners::of(self, piece, rows.clone(), i));
             for (k, out) in rows.clone().zip(out.iter_mut()) {
                 let parabola = Parabola::new(self, (k, i), noise);
@@ -115,7 +115,9 @@ impl Recording {
             agrees(&fit);
             agreed = Some(fit);
         }
-        let mut half = if self.measured().omega { 1 } else { 2 } * refresh;
+        let narrowest = if self.measured().omega { 1 } else { 2 } * refresh;
+        // over fewer rows the counts of an encoder do not show the speed
+        let mut half = narrowest.max(self.reach());
         while half < widest {
             parabola.widen(around(piece, k, half));
             let mut fit = *out;
@@ -140,7 +142,8 @@ impl Recording {
 /// Half width of the widest neighbourhood in rows, with `refresh` rows per new value.
 fn half_width(recording: &Recording, refresh: usize) -> usize {
     let step = recording.step() * refresh as f64;
-    ((HALF_WIDTH / step).round() as usize).clamp(FEWEST, MOST) * refresh
+    let rows = ((HALF_WIDTH / step).round() as usize).clamp(FEWEST, MOST) * refresh;
+    rows.max(recording.reach())
 }
 
 /// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ relative to the

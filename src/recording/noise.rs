@@ -48,7 +48,8 @@ impl Recording {
         Noise { alpha, omega, torque: self.input_noise() }
     }
 
-    /// Angles and speeds of [`Recording::noise`]. Computed once; copies of the recording with another input
+    /// Angles and speeds of [`Recording::noise`]; speeds that were computed from counts over several rows have at least the
+    /// noise of the difference of two angles. Computed once; copies of the recording with another input
     /// share it.
     #[must_use]
     pub fn motion_noise(&self) -> MotionNoise {
@@ -64,6 +65,11 @@ impl Recording {
                 true => omega[i].min(most[i].max(quantum(self.omega(), i) / 12.0_f64.sqrt())),
                 false => omega[i],
             });
+        }
+        if self.reach() > 1 {
+            // counts that pass slowly repeat, so that differences of such speeds do not show the error of the counts
+            let over = 2.0 * self.reach() as f64 * self.step();
+            omega = [0, 1].map(|i| omega[i].max(2.0_f64.sqrt() * alpha[i] / over));
         }
         let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         self.most_noise().map_or(MotionNoise { alpha, omega }, |most| MotionNoise {

@@ -55,7 +55,8 @@ impl Recording {
     /// Checks the columns and computes the missing ones.
     ///
     /// Missing angles are integrated from the speeds (trapezoidal rule), missing speeds are the slope of the
-    /// parabola through three neighbouring angles; neither crosses a gap.
+    /// parabola through three angles: neighbours, or, of counts in fast rows, as many rows apart as resolve the speed;
+    /// neither crosses a gap.
     ///
     /// # Errors
     /// [`RecordingError`], with the row counted from 1.

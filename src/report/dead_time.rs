@@ -26,7 +26,7 @@ pub fn dead_time(timing: &Timing) -> String {
     );
     if correction_s != 0.0 {
         return format!(
-            "{value}, of which {} ms are caused by logging and have been corrected",
+            "{value}, of which {} ms are corrected: as much as logging can cause",
             ms(correction_s)
         );
     }
@@ -38,7 +38,7 @@ pub fn dead_time(timing: &Timing) -> String {
     }
     if dead_time_s.abs() > INTERVAL * std_error_s {
         return format!(
-            "{value}; not corrected, because it may be caused by an effect missing from the model"
+            "{value}; not corrected in the recordings, because it may be caused by an effect missing from the model"
         );
     }
     format!("{value}, not significantly different from zero")
@@ -68,10 +68,8 @@ mod tests {
         let late = of(0.0238, 0.0);
         assert!(late.contains("23.8 ± 0.4 ms from input to motion (95 %: 23.0 to 24.6 ms), more"));
         assert!(dead_time_advice().starts_with("add actuator_delay or actuator_lag to"));
-        assert!(
-            of(0.0038, 0.0038).ends_with("3.8 ms are caused by logging and have been corrected")
-        );
-        assert!(of(0.0038, 0.0).contains("not corrected, because it may be caused by"));
+        assert!(of(0.0038, 0.0038).ends_with("3.8 ms are corrected: as much as logging can cause"));
+        assert!(of(0.0038, 0.0).contains("because it may be caused by"));
         assert!(
             of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms")
                 && of(-0.0038, 0.0).contains("not corrected")

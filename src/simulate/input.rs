@@ -1,5 +1,7 @@
 //! Input of a simulation, and errors of simulations.
 
+use std::ops::Range;
+
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 
@@ -43,6 +45,21 @@ pub(crate) fn every_other(
             let share = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
             let (from, to) = (signal[k - 1], signal[k + 1]);
             out[k] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+        }
+    }
+    out
+}
+
+/// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of its
+/// values before and after acts as much later as the held one.
+pub(crate) fn at_rows(pieces: &[Range<usize>], acting: &[[f64; 2]], hold: Hold) -> Vec<[f64; 2]> {
+    let mut out = acting.to_vec();
+    if hold == Hold::Linear {
+        return out;
+    }
+    for piece in pieces {
+        for k in piece.start + 1..piece.end {
+            out[k] = [0, 1].map(|i| 0.5 * (acting[k - 1][i] + acting[k][i]));
         }
     }
     out

@@ -9,6 +9,7 @@ use crate::diagnose::{Diagnosis, Judge, THRESHOLDS, WindowFit};
 use crate::effects::{CustomDefinition, ParameterKind, ParameterSpec};
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::simulate::Hold;
 use crate::study::{Coefficient, FormulaStudy, most_pointing};
 
 /// The formula of the curve that explains most of the residual torque, fitted in the model as given and in
@@ -86,9 +87,10 @@ pub(crate) fn residual_torques(
     model: &Model,
     p: &[f64],
     recordings: &[&Recording],
+    hold: Hold,
     cutoff: f64,
 ) -> Vec<Vec<[f64; 2]>> {
-    recordings.par_iter().map(|r| residual_torque(model, p, r, cutoff)).collect()
+    recordings.par_iter().map(|r| residual_torque(model, p, r, hold, cutoff)).collect()
 }
 
 /// Residual torque of the model as given (`before`) and of the model with the effects found (`after`) over
@@ -96,17 +98,18 @@ pub(crate) fn residual_torques(
 pub(crate) fn curves_of(
     diagnosis: &Diagnosis,
     recordings: &[&Recording],
+    hold: Hold,
     cutoff: f64,
     before: &[Vec<[f64; 2]>],
     after: Option<&[Vec<[f64; 2]>]>,
 ) -> Vec<Curve> {
-    fn of<'a>(fit: &'a WindowFit, torque: &'a [Vec<[f64; 2]>]) -> Unexplained<'a> {
-        Unexplained { model: &fit.model, p: &fit.p, torque }
+    fn of<'a>(fit: &'a WindowFit, hold: Hold, torque: &'a [Vec<[f64; 2]>]) -> Unexplained<'a> {
+        Unexplained { model: &fit.model, p: &fit.p, hold, torque }
     }
     let last = diagnosis.last();
     // a second mass is not part of the torque balance
-    let after = after.filter(|_| !last.model.is_coupled()).map(|torque| of(last, torque));
-    curves(recordings, cutoff, of(&diagnosis.base, before), after)
+    let after = after.filter(|_| !last.model.is_coupled()).map(|torque| of(last, hold, torque));
+    curves(recordings, cutoff, of(&diagnosis.base, hold, before), after)
 }
 
 /// Whether a formula makes the effects found redundant, as a series in the heading does for an inclined

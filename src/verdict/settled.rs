@@ -84,9 +84,10 @@ fn curves(diagnosis: &Diagnosis, basis: &Basis) -> Vec<Curve> {
     let recordings: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
     let (base, last) = (&diagnosis.base, diagnosis.last());
     let cutoff = cutoff(&recordings, mobility(&base.model, &base.p));
-    let of = |fit: &WindowFit| residual_torques(&fit.model, &fit.p, &recordings, cutoff);
+    let of =
+        |fit: &WindowFit| residual_torques(&fit.model, &fit.p, &recordings, basis.hold, cutoff);
     let after = (!diagnosis.steps.is_empty()).then(|| of(last));
-    curves_of(diagnosis, &recordings, cutoff, &of(base), after.as_deref())
+    curves_of(diagnosis, &recordings, basis.hold, cutoff, &of(base), after.as_deref())
 }
 
 /// Whether a fit identifies a1: its 95 % interval contains only positive values.

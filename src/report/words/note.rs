@@ -123,8 +123,9 @@ impl fmt::Display for Note {
             }
             Self::Misses(ratio) => write!(
                 f,
-                "The simulation error is {ratio:.1} times the noise of the sensors: the torques are noisy or an effect is \
-                 missing, and these intervals are too narrow."
+                "The error of its free simulation is {} times the noise of the sensors, as noise of the torques or a missing \
+                 effect causes it: these intervals are too narrow.",
+                digits(*ratio, 2)
             ),
             Self::Horizon { seconds, chosen, error } => horizon(f, *seconds, *chosen, *error),
             Self::InputShift(late, error) => {
