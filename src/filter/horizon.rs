@@ -125,15 +125,18 @@ impl<'a> HorizonFilter<'a> {
         horizon: f64,
         reading: Reading,
     ) -> Result<Vec<Sums>, ModelError> {
-        let input = |r| RecordedInput::new(model, p, r, self.hold, shift, reading);
-        let inputs: Vec<RecordedInput> = self.prepared.iter().map(input).collect();
+        let alike = self.alike && horizon > 0.0;
+        let input = |(r, prepared): (usize, &Prepared)| {
+            let noise = self.input_noise(r, alike);
+            RecordedInput::new(model, p, prepared, self.hold, shift, reading, noise)
+        };
+        let inputs: Vec<RecordedInput> = self.prepared.iter().enumerate().map(input).collect();
         let variances: Vec<[f64; 4]> =
             (0..self.prepared.len()).map(|r| self.variance(r, horizon)).collect();
         let singles: Vec<bool> =
             self.prepared.iter().map(|p| p.recording.is_single_axis()).collect();
         let of_piece = |piece: &Piece| {
             let r = piece.recording;
-            let alike = self.alike && horizon > 0.0;
             let of = Stretch {
                 piece,
                 prepared: &self.prepared[r],

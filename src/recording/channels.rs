@@ -44,6 +44,15 @@ pub struct MotionNoise {
     pub omega: [f64; 2],
 }
 
+/// Upper limits of standard deviations of noise, right wheel first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MostNoise {
+    /// Of the speeds [rad/s].
+    pub(super) omega: [f64; 2],
+    /// Of the input [unit of the input].
+    pub(super) input: [f64; 2],
+}
+
 /// Standard deviations of white noise, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Noise {

@@ -1,6 +1,7 @@
 //! Noise of the channels of a recording, estimated from the recording alone.
 
-use super::one_step::{MostNoise, most_noise};
+use super::channels::MostNoise;
+use super::one_step::most_noise;
 use super::{DriveUnit, MotionNoise, Noise, Recording};
 use crate::math::{median_high, noise};
 

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Recording;
+use super::channels::MostNoise;
 use crate::math::least_squares::fit_above;
 use crate::math::{sgn, trimmed_mean_square};
 
@@ -19,15 +20,6 @@ const MEMORY: f64 = 0.9;
 const SLOW: f64 = 0.05;
 /// Relative size of singular values that are rounding: the columns of a single axis are equal.
 const RANK: f64 = 1e-8;
-
-/// Upper limits of standard deviations, right wheel first.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MostNoise {
-    /// Of the speeds [rad/s].
-    pub(super) omega: [f64; 2],
-    /// Of the input [unit of the input].
-    pub(super) input: [f64; 2],
-}
 
 /// Upper limits of the noise of the speeds and of the input: from the residual of
 ///

@@ -3,11 +3,10 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::channels::{Channels, Measured, MotionNoise, Noise, Sensing, SlowNoise};
+use super::channels::{Channels, Measured, MostNoise, MotionNoise, Noise, Sensing, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::{median_step, pieces};
-use super::one_step::MostNoise;
 use super::{DriveUnit, LocalMotion, RecordingError};
 
 /// A checked recording: finite values, strictly increasing time, both angles and speeds.
@@ -45,7 +44,7 @@ pub(super) struct Kept {
     pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
     /// [`Recording::motion_noise`].
     pub(super) motion_noise: OnceLock<MotionNoise>,
-    /// [`most_noise`](super::one_step::most_noise) with the input of the first copy that asks.
+    /// `one_step::most_noise` with the input of the first copy that asks.
     pub(super) most_noise: OnceLock<MostNoise>,
     /// [`Recording::sensing`].
     pub(super) sensing: OnceLock<Sensing>,

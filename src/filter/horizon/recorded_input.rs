@@ -5,6 +5,7 @@ use crate::effects::Change;
 use crate::filter::prepare::Prepared;
 use crate::math::mean;
 use crate::model::Model;
+use crate::recording::Recording;
 use crate::simulate::{Ends, Hold, every_other};
 
 /// Half width of the average of the input in derivatives \[s\], and its smallest number of rows: longer than
@@ -33,11 +34,12 @@ impl RecordedInput {
         hold: Hold,
         shift: f64,
         reading: Reading,
+        noise: f64,
     ) -> Self {
         let r = prepared.recording;
         let (whole, mut by_parameter) = model.input_derivatives_of(r, r.torque(), p);
         if reading != Reading::Noisy {
-            along_smooth_input(model, p, prepared, &mut by_parameter);
+            along_smooth_input(model, p, (r, noise), &mut by_parameter);
         }
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
@@ -45,7 +47,7 @@ impl RecordedInput {
             _ => whole,
         };
         let smooth =
-            if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, prepared) };
+            if reading == Reading::Noisy { acting.clone() } else { smoothed(&acting, r, noise) };
         Self { acting, smooth, by_parameter, acts, hold, shift }
     }
 
@@ -83,31 +85,32 @@ impl RecordedInput {
 fn along_smooth_input(
     model: &Model,
     p: &[f64],
-    prepared: &Prepared,
+    (recording, noise): (&Recording, f64),
     by_parameter: &mut [Vec<[f64; 2]>],
 ) {
-    let recording = prepared.recording;
     let shifts = |e: &usize| model.effects()[*e].change() == Change::TimeShift;
     let places: Vec<usize> =
         (0..model.effects().len()).filter(shifts).flat_map(|e| model.slots(e)).collect();
     if places.is_empty() {
         return;
     }
-    let smooth = smoothed(recording.torque(), prepared);
+    let smooth = smoothed(recording.torque(), recording, noise);
     let (_, mut along) = model.input_derivatives_of(recording, &smooth, p);
     places.into_iter().for_each(|j| by_parameter[j] = std::mem::take(&mut along[j]));
 }
 
-/// An input averaged over [`SMOOTH`] to either side, as far as its piece reaches: over the rows that differ from it by no
-/// more than [`ALIKE`] standard deviations of its noise, white and slow. Steps, of a command in a slow log for example, remain, and so
-/// does an input without noise; along smoothed steps the derivatives would be weak instruments.
+/// An input averaged over [`SMOOTH`] to either side, as far as its piece reaches. In a slow log, of which [`FEWEST`] rows last
+/// longer, only rows that differ from it by no more than [`ALIKE`] standard deviations of its `noise`, as the pass assumes
+/// it, and of its slow noise are averaged: steps of a command remain, and so does an input without noise. Along smoothed
+/// steps the derivatives would be weak instruments.
 ///
 /// Source: Lee, Digital image smoothing and the sigma filter, CVGIP 24 (1983).
-fn smoothed(signal: &[[f64; 2]], prepared: &Prepared) -> Vec<[f64; 2]> {
-    let recording = prepared.recording;
+fn smoothed(signal: &[[f64; 2]], recording: &Recording, noise: f64) -> Vec<[f64; 2]> {
     let half = ((SMOOTH / recording.step()).round() as usize).max(FEWEST);
     let slow = recording.slow_input_noise();
-    let most = [0, 1].map(|i| ALIKE * prepared.torque_noise.hypot(slow[i].sigma));
+    let is_slow = FEWEST as f64 * recording.step() > 1.01 * SMOOTH;
+    let limit = |i: usize| if is_slow { ALIKE * noise.hypot(slow[i].sigma) } else { f64::INFINITY };
+    let most = [0, 1].map(limit);
     let mut out = signal.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone() {
