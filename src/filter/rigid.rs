@@ -31,23 +31,24 @@ pub(super) struct Rigid<'a> {
     earlier: Vec<(Push, Vec<[f64; 2]>)>,
     /// Parts that are not solved yet.
     remaining: usize,
-    /// Fastest rate at which torques change the speeds that they depend on, at the last part [1/s].
-    rate: f64,
+    /// Fastest rate at which torques change the speeds that they depend on, at the last part [1/s]; none before the first and
+    /// where both wheels rest.
+    rate: Option<f64>,
 }
 
 impl<'a> Rigid<'a> {
     pub(super) fn step(model: &'a Model, p: &'a [f64], noise: ProcessNoise) -> Step<Self> {
         let (work, mobility) = (Linearisation::new(p.len()), Matrix2::zeros());
         let (push, earlier) = (Push::none(), vec![]);
-        let body = Self { model, p, work, mobility, push, earlier, remaining: 0, rate: 0.0 };
+        let body = Self { model, p, work, mobility, push, earlier, remaining: 0, rate: None };
         Step::new(body, noise)
     }
 
-    /// Sets the rate from the derivatives of the torques by the speeds at the last evaluation.
-    fn set_rate(&mut self) {
+    /// The rate from the derivatives of the torques by the speeds at the last evaluation.
+    fn rate_there(&self) -> f64 {
         let [first, second] = &self.work.by_state;
         let rates = self.mobility * Matrix2::new(first[2], first[3], second[2], second[3]);
-        self.rate = (0..2).map(|i| rates.row(i).abs().sum()).fold(0.0, f64::max);
+        (0..2).map(|i| rates.row(i).abs().sum()).fold(0.0, f64::max)
     }
 }
 
@@ -73,12 +74,15 @@ impl Body<6> for Rigid<'_> {
 
     fn begin(&mut self, h: f64) -> usize {
         self.earlier.clear();
-        if self.rate == 0.0 && self.model.effects().len() > BASE.len() {
-            // before the first step
-            self.model.differentiate_by_state(&[0.0; 2], &[0.0; 4], &mut self.work);
-            self.set_rate();
-        }
-        self.remaining = (PARTS * self.rate * h).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let rate = match self.rate {
+            Some(rate) => rate,
+            None if self.model.effects().len() == BASE.len() => 0.0,
+            None => {
+                self.model.differentiate_by_state(&[0.0; 2], &[0.0; 4], &mut self.work);
+                self.rate_there()
+            }
+        };
+        self.remaining = (PARTS * rate * h).ceil().clamp(1.0, MOST_PARTS) as usize;
         self.remaining
     }
 
@@ -98,7 +102,8 @@ impl Body<6> for Rigid<'_> {
         decay: f64,
     ) -> Result<[f64; 2], ModelError> {
         self.model.differentiate_by_state(&[0.0; 2], &friction.sign, &mut self.work);
-        self.set_rate();
+        let moves = self.mobility != Matrix2::zeros();
+        self.rate = moves.then(|| self.rate_there());
         let terms = &self.work.terms;
         let resisting = terms.total_torque(&[0.0; 2], &friction.sign);
         let [first, second] = &self.work.by_state;

@@ -27,23 +27,27 @@ impl Search<'_> {
     /// ΔBIC = values (rms_after² - rms_before²)/floor²
     /// ```
     fn add_held_out(&self, present: &WindowFit, ranked: &mut [Ranked]) {
-        let supported = |r: &Ranked| r.bic_windows < 0.0 && r.bic < 0.0;
-        let fit_of = |r: &Ranked| r.refit.clone().filter(|_| supported(r));
-        let Some(first) = ranked.first().and_then(fit_of) else { return };
-        if self.held.is_none() || !self.is_unexplained(&first) {
+        let fit_of = |n: usize| {
+            let supported = ranked[n].bic_windows < 0.0 && ranked[n].bic < 0.0;
+            ranked[n].refit.as_ref().filter(|_| supported)
+        };
+        if ranked.is_empty() || self.held.is_none() {
             return;
         }
-        let fits = ranked.iter().filter_map(fit_of).map(|fit| (self.shown(&fit), fit));
-        let Some((_, lowest)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-        if self.is_unexplained(&lowest) {
+        if !fit_of(0).is_some_and(|first| self.is_unexplained(first)) {
             return;
         }
-        let square = |fit: &WindowFit| self.shown(fit).powi(2);
+        let errors: Vec<(usize, f64)> =
+            (0..ranked.len()).filter_map(|n| Some((n, self.shown(fit_of(n)?)))).collect();
+        let lowest = errors.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(lowest) = lowest.and_then(|(n, _)| fit_of(*n)) else { return };
+        if self.is_unexplained(lowest) {
+            return;
+        }
         let floor = self.judge.floor(&lowest.model, &lowest.p).expected.powi(2);
-        let (from, values) = (square(present), self.judge.values());
-        for r in ranked.iter_mut().filter(|r| supported(r)) {
-            let change = r.refit.as_ref().map_or(0.0, |fit| square(fit) - from);
-            r.bic += values * change / floor;
+        let (from, values) = (self.shown(present).powi(2), self.judge.values());
+        for (n, error) in errors {
+            ranked[n].bic += values * (error.powi(2) - from) / floor;
         }
         ranked.sort_by(before);
     }

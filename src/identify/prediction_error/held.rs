@@ -7,11 +7,11 @@ use crate::filter::HorizonFilter;
 use crate::identify::identifiability::least_known;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
-use crate::model::base::{A1, A2};
+use crate::model::base::{A1, A2, A3};
 use crate::recording::Recording;
 
 /// Largest radius of gyration of a robot in half tracks: that of a rod nine tracks long (chosen by
-/// judgement).
+/// judgement). The smallest is its reciprocal.
 const WIDEST: f64 = 5.0;
 
 /// A model with unidentifiable parameters fixed, and its maximum of the likelihood.
@@ -24,7 +24,9 @@ pub(super) struct Held {
 
 impl Held {
     /// Fixes, one after the other, parameters whose estimates would be misleading ([`least_known`]): the others may then
-    /// be identifiable.
+    /// be identifiable. An inertia of turning that is smaller than that of any robot is misleading too: with a torque that
+    /// is missing in the model, small differences between the wheels of a robot that drives straight make it vanish. Then
+    /// a2 and a3 have the ratio to a1 + a2 that they have in the construction data.
     pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
@@ -33,7 +35,31 @@ impl Held {
                 break;
             }
         }
+        let narrow = out
+            .gyration(task, &out.solution.p)
+            .is_some_and(|squared| squared < 1.0 / (WIDEST * WIDEST));
+        if narrow {
+            let sum = |p: &[f64]| p[A1] + p[A2];
+            let ratio = sum(&out.solution.p) / sum(&initial);
+            let free =
+                |j: &usize| task.model.parameters()[*j].fixed.is_none() && !out.places.contains(j);
+            let held: Vec<usize> = [A2, A3].into_iter().filter(free).collect();
+            for j in held {
+                out.hold(filter, j, ratio * initial[j]);
+            }
+        }
         out
+    }
+
+    /// Radius of gyration about the vertical in half tracks, squared; `None` for a single axis or a fixed a2.
+    ///
+    /// ```text
+    /// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
+    /// ```
+    fn gyration(&self, task: &Task, p: &[f64]) -> Option<f64> {
+        let two = !task.train.iter().all(Recording::is_single_axis);
+        let free = self.model.parameters()[A2].fixed.is_none();
+        (two && free).then(|| (p[A1] - p[A2]) / (p[A1] + p[A2]))
     }
 
     /// Fixes parameter `j` at `value` and descends from there; `None` if that is not possible.
@@ -47,30 +73,24 @@ impl Held {
         }
         p[j] = value;
         crate::identify::start::sound(&model, &mut p);
+        self.solution = descend(filter, &model, (&p, self.solution.shift), 0.0)?;
         self.places.push(j);
         self.model = model;
-        self.solution = descend(filter, &self.model, (&p, self.solution.shift), 0.0)?;
         Some(())
     }
 
     /// Fixes a2 at zero, as for a mass distributed over the track, if the inertia of turning of `chosen` is larger than that
     /// of any robot; returns whether it did. If a resistance that is missing in the model prevents the robot from turning
     /// (tyres that scrub), the estimated inertia of turning grows without limit.
-    ///
-    /// ```text
-    /// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
-    /// ```
     pub(super) fn spread_over_track(
         &mut self,
         task: &Task,
         filter: &HorizonFilter,
         chosen: &Solution,
     ) -> bool {
-        let p = &chosen.p;
-        let two = !task.train.iter().all(Recording::is_single_axis);
-        let free = self.model.parameters()[A2].fixed.is_none();
-        let too_wide = p[A1] - p[A2] > WIDEST * WIDEST * (p[A1] + p[A2]);
-        two && free && too_wide && self.hold(filter, A2, 0.0).is_some()
+        let too_wide =
+            self.gyration(task, &chosen.p).is_some_and(|squared| squared > WIDEST * WIDEST);
+        too_wide && self.hold(filter, A2, 0.0).is_some()
     }
 
     fn least_known(&self, task: &Task) -> Option<usize> {
