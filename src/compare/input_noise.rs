@@ -12,8 +12,9 @@ pub fn noisier_input(
     sigma: [f64; 2],
     rng: &mut ChaCha8Rng,
 ) -> Vec<[f64; 2]> {
+    let single = recording.is_single_axis();
     let rows = recording.torque().iter().map(|m| {
-        let draws = draws(recording, rng);
+        let draws = draws(single, rng);
         [0, 1].map(|i| m[i] + sigma[i] * draws[i])
     });
     rows.collect()
@@ -26,9 +27,10 @@ pub fn noisier_input(
 /// ```
 pub(super) fn slowly_noisier_input(recording: &Recording, rng: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
     let (t, noise) = (recording.t(), recording.slow_input_noise());
+    let single = recording.is_single_axis();
     let mut slow = [0.0; 2];
     let rows = recording.torque().iter().enumerate().map(|(k, m)| {
-        let draws = draws(recording, rng);
+        let draws = draws(single, rng);
         let since = if k == 0 { f64::INFINITY } else { t[k] - t[k - 1] };
         for i in 0..2 {
             let SlowNoise { sigma, time_s } = noise[i];
@@ -40,10 +42,10 @@ pub(super) fn slowly_noisier_input(recording: &Recording, rng: &mut ChaCha8Rng) 
     rows.collect()
 }
 
-/// One draw per wheel; for a single axis mapped to both wheels the same draw.
-fn draws(recording: &Recording, rng: &mut ChaCha8Rng) -> [f64; 2] {
+/// One draw per wheel; the same draw for a `single` axis mapped to both wheels.
+fn draws(single: bool, rng: &mut ChaCha8Rng) -> [f64; 2] {
     let first = normal(rng);
-    [first, if recording.is_single_axis() { first } else { normal(rng) }]
+    [first, if single { first } else { normal(rng) }]
 }
 
 /// A draw of the standard normal distribution.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::fit::WindowFit;
 use super::outcome::Diagnosis;
+use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
     Dependence, WINDOW, WindowFloor, between_rows, ise, pooled_floor, simulate_recording,
@@ -12,7 +13,7 @@ use crate::compare::{
 use crate::filter::{Likelihood, prepare};
 use crate::math::mean;
 use crate::model::{Model, ModelError};
-use crate::recording::Recording;
+use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::robot::State;
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
 
@@ -26,6 +27,15 @@ pub struct Judgement {
     pub ise: f64,
     /// Root mean square error of the windows [rad/s].
     pub window_rms: f64,
+}
+
+/// What the last model of a diagnosis leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Left {
+    /// The strongest dependence of the residual torque that counts as structure.
+    pub structure: Option<Dependence>,
+    /// The slow part of the residual torque of the judged recordings, as autocorrelated noise of the input.
+    pub slow: SlowNoise,
 }
 
 /// The recordings that errors are judged on, with their smooth motion.
@@ -158,29 +168,53 @@ impl Judge {
         self.recordings.iter().map(Recording::top_speed).fold(0.0, f64::max)
     }
 
-    /// The strongest structure that the last model of a diagnosis leaves. It may be visible only on
+    /// What the last model of a diagnosis leaves. Its structure may be visible only on
     /// the recordings that were not fitted: if the training data contain one kind of motion only,
     /// the parameters absorb the effect.
     ///
     /// # Errors
     /// If the filter cannot run.
-    pub fn structure_left(
+    pub fn left_by(
         &self,
         diagnosis: &Diagnosis,
         likelihood: &Likelihood,
-    ) -> Result<Option<Dependence>, ModelError> {
+    ) -> Result<Left, ModelError> {
         let WindowFit { model, p, .. } = diagnosis.last();
         let prepared = self.recordings.iter().map(prepare).collect();
         let elsewhere = Likelihood { prepared, ..likelihood.clone() };
-        let mut strongest: Option<Dependence> = None;
+        let mut out = Left { structure: None, slow: SlowNoise::default() };
         for seen in [likelihood, &elsewhere] {
             let (noise, _) = seen.noise(model, p, &seen.initial_noise());
+            out.slow = SlowNoise { sigma: noise.sigma_d, time_s: noise.tau_d };
             let left = unexplained_torque(model, p, &noise, seen)?;
             let Some(found) = structure(&left) else { continue };
-            if strongest.as_ref().is_none_or(|s| s.log_significance <= found.log_significance) {
-                strongest = Some(found.clone());
+            let last = out.structure.as_ref().map_or(0.0, |s| s.log_significance);
+            if found.log_significance >= last {
+                out.structure = Some(found.clone());
             }
         }
-        Ok(strongest)
+        Ok(out)
+    }
+
+    /// Error over windows of the correct model [rad/s] with the slow noise of a measured input that the innovations of the
+    /// filter show; zero if it is larger than noise of a sensor can be, or if the input is a voltage, which is commanded.
+    #[must_use]
+    pub fn coloured_floor(&self, model: &Model, p: &[f64], slow: SlowNoise) -> f64 {
+        let squares = self.recordings.iter().flat_map(|r| r.torque().iter().flatten());
+        let input = mean(squares.map(|m| m * m)).sqrt();
+        let commanded = self.recordings.iter().any(|r| r.drive_unit() == DriveUnit::Volt);
+        if commanded || !(slow.sigma <= THRESHOLDS.sensor_noise * input) {
+            return 0.0;
+        }
+        let noisier = |r: &Recording| {
+            let mut r = r.clone();
+            r.set_slow_input_noise(r.slow_input_noise().map(|own| match own.sigma < slow.sigma {
+                true => slow,
+                false => own,
+            }));
+            r
+        };
+        let recordings = self.recordings.iter().map(noisier).collect();
+        Self { recordings, hold: self.hold }.floor(model, p).expected
     }
 }

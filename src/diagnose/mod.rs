@@ -48,8 +48,10 @@ pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};
 pub use shapes::shapes_placed;
 pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{Timing, timing};
-pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure, withheld};
+pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
+pub use verdict::{
+    Conclusion, Errors, conclude, likely, probabilities, structure, structured, withheld,
+};
 pub use windows::{Windows, mobility};
 
 #[cfg(test)]

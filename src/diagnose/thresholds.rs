@@ -19,8 +19,12 @@ pub struct Thresholds {
     /// lies above (prototype measurement on 110 sets of other simulators).
     pub above_floor: f64,
     /// Ratio of error to noise floor above which something is missing even if the residual torque shows no
-    /// structure: none of the tested spectra of input noise causes three times the floor.
+    /// structure: slow noise of the input would need eight times the variance of all noise that the channels show
+    /// (judgement; noise as large as the white one caused 3.1 times the floor once).
     pub far_above_floor: f64,
+    /// Largest autocorrelated noise of a measured input as a share of its root mean square (judgement: sensors of currents
+    /// and torques are accurate to some percent); a larger slow part of the residual torque is a missing effect.
+    pub sensor_noise: f64,
     /// Error above the floor that matters, as a share of the top speed (judgement: 0.2 %).
     pub excess: f64,
     /// Ratio of error to floor up to which a model, or a regime of driving, is at the floor; the floor itself is
@@ -98,6 +102,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     crossed_rate: 0.4,
     above_floor: 1.5,
     far_above_floor: 3.0,
+    sensor_noise: 0.1,
     excess: 0.002,
     at_floor: AT_FLOOR,
     nothing_left: 0.04,

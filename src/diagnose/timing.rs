@@ -25,7 +25,7 @@ const INTERPOLATION: f64 = 0.02;
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;
 /// Longest delay that is searched \[s\], that of slow motor controllers on a bus.
-pub(super) const LONGEST: f64 = 0.15;
+pub const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
 

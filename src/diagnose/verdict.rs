@@ -3,7 +3,7 @@
 use super::acceptance::Fall;
 use super::outcome::{Diagnosis, Ranked};
 use super::thresholds::THRESHOLDS;
-use crate::compare::{Dependence, UnexplainedTorque};
+use crate::compare::{Acting, Curve, Dependence, UnexplainedTorque, Variable};
 
 /// Conclusion of the diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,10 +126,26 @@ impl Errors {
     }
 }
 
-/// The strongest significant dependence that counts as structure; the error decides whether it matters.
+/// The strongest significant dependence that counts as structure; the error decides whether it matters. Noise of the
+/// recorded input is part of the input itself, and feedback control makes inputs and accelerations respond to every
+/// disturbance; a dependence on them is none.
 #[must_use]
 pub fn structure(left: &UnexplainedTorque) -> Option<&Dependence> {
-    left.dependences.iter().find(|d| d.log_significance > THRESHOLDS.structure)
+    let counts =
+        |d: &&Dependence| d.log_significance > THRESHOLDS.structure && !d.variable.answers();
+    left.dependences.iter().find(counts)
+}
+
+/// Whether the binned residual torque depends as significantly on a variable too: on one that feedback control does not make
+/// respond to every disturbance, and not on time alone, as a disturbance or coloured noise of the input would. The score test
+/// assumes the spectrum of the noise that the likelihood finds; with another one its statistic is too large.
+#[must_use]
+pub fn structured(curves: &[Curve]) -> bool {
+    let shows = |curve: &&Curve| {
+        let disturbance = curve.variable == Variable::Time && curve.acting == Acting::Torque;
+        !curve.variable.answers() && !disturbance
+    };
+    curves.iter().filter(shows).any(|curve| curve.log_significance > THRESHOLDS.structure)
 }
 
 /// The candidate that lowers the held-out error after the last accepted step without being proven.
@@ -204,7 +220,6 @@ pub fn probabilities(ranking: &[Ranked], raises: &[bool]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::Variable;
 
     fn left(log_significance: f64, size: f64) -> UnexplainedTorque {
         UnexplainedTorque {
@@ -232,9 +247,34 @@ mod tests {
     }
 
     #[test]
+    fn structure_is_a_dependence_on_the_state_and_not_on_time_or_input() {
+        let curve = |variable, acting, log_significance| Curve {
+            variable,
+            acting,
+            bins: vec![],
+            share_before: 0.3,
+            share_after: None,
+            log_significance,
+        };
+        assert!(structured(&[curve(Variable::Heading, Acting::Torque, 40.0)]));
+        assert!(structured(&[curve(Variable::Time, Acting::Gain, 40.0)]));
+        for (variable, acting, log_significance) in [
+            (Variable::Heading, Acting::Torque, 9.0),
+            (Variable::Time, Acting::Torque, 400.0),
+            (Variable::Input1, Acting::Torque, 400.0),
+            (Variable::Acceleration2, Acting::Torque, 400.0),
+        ] {
+            assert!(!structured(&[curve(variable, acting, log_significance)]), "{variable:?}");
+        }
+    }
+
+    #[test]
     fn structure_is_significant() {
         assert!(structure(&left(40.0, 0.001)).is_some());
         assert!(structure(&left(5.0, 0.02)).is_none());
+        let mut of_input = left(40.0, 0.001);
+        of_input.dependences[0].variable = Variable::Input1;
+        assert!(structure(&of_input).is_none());
     }
 
     #[test]

@@ -4,12 +4,12 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    Judge, SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed, speed_filter,
-    start_angles, timing, with_later_input,
+    Judge, LONGEST_DELAY, SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed,
+    speed_filter, start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
-use crate::identify::{Task, start};
+use crate::identify::{Task, excited_start, frictionless_start, start};
 use crate::model::base::{A1, A2};
 use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::simulate::Hold;
@@ -78,7 +78,14 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
-    plan.timing = if own { None } else { timing(&plan.model, &start, &recordings, plan.hold) };
+    if !own {
+        let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+        let given = (plan.model.clone(), start.clone());
+        let (model, p) = frictionless_start(&task, LONGEST_DELAY).unwrap_or(given);
+        let excited = excited_start(&Task { model: &model, ..task });
+        let (model, p) = excited.unwrap_or((model, p));
+        plan.timing = timing(&model, &p, &recordings, plan.hold);
+    }
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
     if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {

@@ -50,7 +50,7 @@ fn fit(
     let identify = |excited: &Excited| {
         let Task { model, train, hold, .. } = *excited.task();
         let fit = super::long::identify(&*method.method, excited, &long)?;
-        let fit = fit.between_rows(train, hold).under_one_size(train);
+        let fit = fit.between_rows(train, hold).under_one_size(model, train);
         Ok(fit.driving_frictions(model))
     };
     let fit = match plan.late() {

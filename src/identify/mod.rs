@@ -35,10 +35,11 @@ pub use method::{
 };
 
 pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
-pub(crate) use one_size::start_without_friction;
+pub(crate) use one_size::{frictionless_start, start_without_friction};
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};
+pub(crate) use unexcited::excited_start;
 pub use unexcited::{Excited, identify};
 
 use crate::catalogue;

@@ -5,7 +5,7 @@ use super::{Fit, Note, Task, Unknown};
 use crate::math::{Moments, correlation};
 use crate::model::Model;
 use crate::model::base::{A4, A5};
-use crate::recording::Recording;
+use crate::recording::{DriveUnit, Recording};
 
 /// Wheels slower than this share of the top speed count as at rest, as in the regressions.
 const REST: f64 = 0.025;
@@ -17,23 +17,28 @@ const FOLLOWS: f64 = 0.3;
 const ONE: f64 = 0.1;
 
 /// The size of the input of each wheel while it turns, if it has only one: the mean of M sgn(ω) over rows in which
-/// the wheel moves, where the values vary by less than a tenth (rms) about it, and not with the acceleration.
+/// the wheel moves, where the values vary by less than a tenth (rms) about it, and not with the acceleration. `input` gives
+/// the acting input of a recording.
 ///
 /// ```text
 /// a1 dω + a4 sgn(ω) + … = M = c sgn(ω)   has the exact solution a4 = c, all others zero
 /// ```
 /// A balance of torques takes that solution, though such a robot would not accelerate. The torque of a robot that crawls
 /// is that of its friction too, but it varies with the acceleration.
-pub(super) fn sizes(recordings: &[Recording]) -> [Option<f64>; 2] {
+fn sizes(
+    recordings: &[Recording],
+    input: impl Fn(&Recording) -> Vec<[f64; 2]>,
+) -> [Option<f64>; 2] {
+    let inputs: Vec<Vec<[f64; 2]>> = recordings.iter().map(input).collect();
     [0, 1].map(|i| {
         // input and acceleration along the motion
-        let along = |r: &Recording| {
+        let along = |(r, input): (&Recording, &Vec<[f64; 2]>)| {
             let rest = REST * r.top_speed();
             let moving = (0..r.len()).filter(|&k| r.omega()[k][i].abs() > rest);
-            let of = |k: usize| [r.torque()[k][i], r.local_motion()[k].acceleration[i]];
+            let of = |k: usize| [input[k][i], r.local_motion()[k].acceleration[i]];
             moving.map(|k| of(k).map(|v| v * r.omega()[k][i].signum())).collect::<Vec<_>>()
         };
-        let rows: Vec<[f64; 2]> = recordings.iter().flat_map(along).collect();
+        let rows: Vec<[f64; 2]> = recordings.iter().zip(&inputs).flat_map(along).collect();
         let Moments { mean, variance, .. } = Moments::of(rows.iter().map(|row| row[0]));
         let is_one = mean > 0.0 && variance.sqrt() < ONE * mean;
         let follows = || correlation(rows.iter().map(|[m, a]| (*m, *a))) > FOLLOWS;
@@ -41,16 +46,73 @@ pub(super) fn sizes(recordings: &[Recording]) -> [Option<f64>; 2] {
     })
 }
 
+/// The [`sizes`] of the input as the model of a task delays it.
+fn acting_sizes(model: &Model, train: &[Recording]) -> [Option<f64>; 2] {
+    let p = model.initial();
+    sizes(train, |r| model.input_of(r, r.torque(), &p))
+}
+
+/// The model of a task without dry friction on wheels whose input has one size, as commands of a motor controller have, if it
+/// acts at some time up to `latest` seconds after its row, with the places of that friction; `None` if there are none. With
+/// such an input and that time the balance of torques is exact for any motion, and would determine the time.
+fn without_friction(task: &Task, latest: f64) -> Option<(Model, Vec<usize>)> {
+    let late = |r: &Recording, rows: usize| -> Vec<[f64; 2]> {
+        (0..r.len()).map(|k| r.torque()[k.saturating_sub(rows)]).collect()
+    };
+    let commanded = task.train.iter().all(|r| r.drive_unit() == DriveUnit::Volt);
+    let step = task.train.iter().map(Recording::step).fold(f64::INFINITY, f64::min);
+    let has = |sizes: &[Option<f64>; 2]| sizes.iter().any(Option::is_some);
+    let at = |rows: usize| match rows {
+        0 => acting_sizes(task.model, task.train),
+        rows => sizes(task.train, |r| late(r, rows)),
+    };
+    // inputs of several magnitudes have no one size at any time
+    let searched = if one_magnitude(task.train) { (latest / step) as usize } else { 0 };
+    let found = (0..=searched).filter(|_| commanded).map(at).find(has)?;
+    held_at_zero(task, found)
+}
+
+/// The model of a task with dry friction held at zero on wheels whose input has one of these `sizes`, and its places.
+fn held_at_zero(task: &Task, sizes: [Option<f64>; 2]) -> Option<(Model, Vec<usize>)> {
+    let parameters = task.model.parameters();
+    let of_one_size = [A4, A5].into_iter().zip(sizes).filter(|(_, size)| size.is_some());
+    let places: Vec<usize> =
+        of_one_size.map(|(j, _)| j).filter(|&j| parameters[j].fixed.is_none()).collect();
+    let fix = |model: Model, j: &usize| model.fix(&parameters[*j].spec.symbol, 0.0).ok();
+    let held = places.iter().try_fold(task.model.clone(), fix)?;
+    (!places.is_empty()).then_some((held, places))
+}
+
+/// Whether the inputs of a wheel that turns have one magnitude.
+fn one_magnitude(train: &[Recording]) -> bool {
+    (0..2).any(|i| {
+        let sizes = train.iter().flat_map(|r| {
+            let rest = REST * r.top_speed();
+            let moving = (0..r.len()).filter(move |&k| r.omega()[k][i].abs() > rest);
+            moving.map(move |k| r.torque()[k][i].abs())
+        });
+        let Moments { mean, variance, .. } = Moments::of(sizes);
+        mean > 0.0 && variance.sqrt() < ONE * mean
+    })
+}
+
+/// The model of a task with dry friction held at zero where its voltages, of one size, cannot determine it, and the places of
+/// that friction.
+pub(super) fn frictionless(task: &Task) -> Option<(Model, Vec<usize>)> {
+    without_friction(task, 0.0)
+}
+
+/// The same if the voltages have one size at some time up to `latest` seconds after their rows, with a start.
+pub(crate) fn frictionless_start(task: &Task, latest: f64) -> Option<(Model, Vec<f64>)> {
+    let (model, _) = without_friction(task, latest)?;
+    let p = start(&Task { model: &model, ..*task }, "start").ok()?;
+    Some((model, p))
+}
+
 /// A start without dry friction on wheels whose input has one size; `None` if there are none.
 pub(crate) fn start_without_friction(task: &Task) -> Option<Vec<f64>> {
-    let of_one_size =
-        [A4, A5].into_iter().zip(sizes(task.train)).filter(|(_, size)| size.is_some());
-    let free = of_one_size.filter(|(j, _)| task.model.parameters()[*j].fixed.is_none());
-    let symbols: Vec<&str> =
-        free.map(|(j, _)| task.model.parameters()[j].spec.symbol.as_str()).collect();
-    let fix = |model: Model, symbol: &&str| model.fix(symbol, 0.0).ok();
-    let held = symbols.iter().try_fold(task.model.clone(), fix).filter(|_| !symbols.is_empty())?;
-    start(&Task { model: &held, ..*task }, "start").ok()
+    let (model, _) = held_at_zero(task, acting_sizes(task.model, task.train))?;
+    start(&Task { model: &model, ..*task }, "start").ok()
 }
 
 impl Fit {
@@ -58,7 +120,7 @@ impl Fit {
     /// large as that size or with an unknown share of it. Where that holds for both wheels the scale of all other
     /// parameters is unknown too.
     #[must_use]
-    pub fn under_one_size(mut self, train: &[Recording]) -> Self {
+    pub fn under_one_size(mut self, model: &Model, train: &[Recording]) -> Self {
         let is_held = |symbol: &str| {
             let held = |n: &Note| matches!(n, Note::Unknown { unknown: Unknown::Held(s, _), .. } if s == symbol);
             self.notes.iter().any(held)
@@ -67,7 +129,7 @@ impl Fit {
             let estimate = self.estimates.get(j).filter(|e| !e.fixed && !is_held(&e.symbol));
             estimate.is_some_and(|e| !e.identifiable || (e.value - size).abs() < ONE * size)
         };
-        let found = [A4, A5].into_iter().zip(sizes(train));
+        let found = [A4, A5].into_iter().zip(acting_sizes(model, train));
         let found: Vec<(usize, f64)> = found
             .filter_map(|(j, size)| Some((j, size?)))
             .filter(|&(j, size)| explains(j, size))
@@ -91,7 +153,7 @@ impl Fit {
 mod tests {
     use super::*;
     use crate::identify::find;
-    use crate::recording::{Channels, DriveUnit};
+    use crate::recording::Channels;
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, simulate};
 
@@ -121,7 +183,7 @@ mod tests {
             let train = [steps(level)];
             let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
             let fit = find("torque_regression").unwrap().identify(&task).unwrap();
-            (fit.under_one_size(&train), start_without_friction(&task))
+            (fit.under_one_size(&model, &train), start_without_friction(&task))
         };
         let (fit, start) = of(&|n| if n == 0 { 0.0 } else { 8.0 });
         assert!(fit.estimates.iter().all(|e| !e.identifiable), "{:?}", fit.estimates);
@@ -144,7 +206,9 @@ mod tests {
             let torque = t.iter().map(|t| [1.0 + 1.5 * inertia * (1.5 * t).cos(); 2]).collect();
             let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
             let channels = Channels { t: t.clone(), alpha: None, omega, torque };
-            sizes(&[Recording::new("crawls", channels, DriveUnit::NewtonMetre).unwrap()])
+            sizes(&[Recording::new("crawls", channels, DriveUnit::NewtonMetre).unwrap()], |r| {
+                r.torque().to_vec()
+            })
         };
         assert_eq!(of(0.033), [None; 2]);
         assert!(of(0.0).iter().all(|size| size.is_some_and(|size| (size - 1.0).abs() < 1e-9)));

@@ -108,6 +108,11 @@ pub(super) fn mean(errors: &[f64]) -> f64 {
 /// Whether errors are smaller than others by more than a paired standard error; any finite error is
 /// smaller than an infinite one.
 pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
+    smaller_by(STANDARD_ERRORS, errors, than)
+}
+
+/// The same by a number of paired standard errors.
+pub(super) fn smaller_by(standard_errors: f64, errors: &[f64], than: &[f64]) -> bool {
     if !mean(than).is_finite() {
         return mean(errors).is_finite();
     }
@@ -117,7 +122,7 @@ pub(super) fn clearly_smaller(errors: &[f64], than: &[f64]) -> bool {
     let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
     let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
     // a single piece gives no estimate of the error
-    gain > STANDARD_ERRORS * error && n > 1.0
+    gain > standard_errors * error && n > 1.0
 }
 
 #[cfg(test)]

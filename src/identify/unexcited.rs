@@ -3,10 +3,12 @@
 
 use std::cell::OnceCell;
 
-use super::open_loop::{OpenLoop, clearly_smaller};
+use super::one_size::frictionless;
+use super::open_loop::{OpenLoop, smaller_by};
 use super::start::start;
 use super::torque_regression::TorqueRegression;
 use super::{Fit, Identifier, IdentifyError, Note, Task, Unknown};
+use crate::effects::SURELY;
 use crate::filter::pieces;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
@@ -25,10 +27,15 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// A robot that is driven straight veers slightly, because its wheels differ. A model without that difference
 /// attributes the veer to the inertias, with a small standard error. If the recordings contain hardly any turns (or
 /// hardly any travel) they are therefore fixed, unless a regression with free values simulates held-out pieces
-/// better, by more than one paired standard error, than with half or twice the inertia in question. Fixed values have
+/// significantly better (by two paired standard errors) than with half or twice the inertia in question. Fixed values have
 /// the ratio to the estimated combination that they have in the construction data.
+///
+/// A command of one size does not determine dry friction, which could explain all of it. It is held at zero then: the motion
+/// is simulated by the other parameters, whose scale is unknown.
 pub struct Excited<'a> {
     task: Task<'a>,
+    /// The model without the friction that an input of one size does not determine, and the places of that friction.
+    frictionless: OnceCell<Option<(Model, Vec<usize>)>>,
     /// Found with the first method that fits the model.
     unexcited: OnceCell<Option<Unexcited>>,
 }
@@ -37,7 +44,7 @@ impl<'a> Excited<'a> {
     /// The parameters are found with the first method.
     #[must_use]
     pub fn new(task: Task<'a>) -> Self {
-        Self { task, unexcited: OnceCell::new() }
+        Self { task, frictionless: OnceCell::new(), unexcited: OnceCell::new() }
     }
 
     /// The task with all parameters free.
@@ -55,6 +62,16 @@ impl<'a> Excited<'a> {
         if method.fits_emulator() {
             return method.identify(task);
         }
+        let Some((model, places)) = self.frictionless.get_or_init(|| frictionless(task)) else {
+            return self.with_combination(task, method);
+        };
+        let mut fit = self.with_combination(&Task { model, ..*task }, method)?;
+        places.iter().for_each(|&j| fit.set_unidentifiable(j));
+        Ok(fit)
+    }
+
+    /// Fits a method, with the combination of the inertias that is identifiable if the movement does not excite both.
+    fn with_combination(&self, task: &Task, method: &dyn Identifier) -> Result<Fit, IdentifyError> {
         let Some(unexcited) = self.unexcited.get_or_init(|| Unexcited::of(task)) else {
             return method.identify(task);
         };
@@ -72,6 +89,14 @@ pub fn identify(method: &dyn Identifier, task: &Task) -> Result<Fit, IdentifyErr
     Excited::new(*task).identify(method)
 }
 
+/// The model of a task with the parameters fixed that its movement does not excite, and a start: what the time of the input is
+/// determined with, before it is known whether the data determine them nevertheless.
+pub(crate) fn excited_start(task: &Task) -> Option<(Model, Vec<f64>)> {
+    let (Unexcited { model, .. }, _) = Unexcited::held(task)?;
+    let p = start(&Task { model: &model, ..*task }, "start").ok()?;
+    Some((model, p))
+}
+
 /// A model with the parameters fixed that the movement does not excite.
 struct Unexcited {
     model: Model,
@@ -84,6 +109,12 @@ struct Unexcited {
 impl Unexcited {
     /// `None` if the movement excites all parameters, if the inertias are given, or if the data determine them nevertheless.
     fn of(task: &Task) -> Option<Self> {
+        let (held, others) = Self::held(task)?;
+        (!determines(task, &others)).then_some(held)
+    }
+
+    /// The model by the movement alone, and those with half and twice the inertia in question.
+    fn held(task: &Task) -> Option<(Self, Vec<Model>)> {
         let (sign, places) = match lacking(task.train)? {
             Lacking::Turns => (1.0, vec![A2, A3]),
             Lacking::Travel => (-1.0, vec![A2]),
@@ -111,7 +142,7 @@ impl Unexcited {
         };
         let model = fixed(1.0)?;
         let others: Vec<Model> = FACTORS.into_iter().filter_map(fixed).collect();
-        (!determines(task, &others)).then_some(Self { model, sign, places })
+        Some((Self { model, sign, places }, others))
     }
 }
 
@@ -138,7 +169,7 @@ pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &
     fit
 }
 
-/// Whether a regression of torques with the free parameters of a task simulates held-out pieces clearly better than one with
+/// Whether a regression of torques with the free parameters of a task simulates held-out pieces significantly better than one with
 /// those of one of `others`.
 fn determines(task: &Task, others: &[Model]) -> bool {
     let recordings: Vec<&Recording> = task.train.iter().collect();
@@ -149,7 +180,7 @@ fn determines(task: &Task, others: &[Model]) -> bool {
         Some(open.errors(model, &left_out))
     };
     let Some(free) = errors(task.model) else { return false };
-    others.iter().filter_map(errors).any(|other| clearly_smaller(&free, &other))
+    others.iter().filter_map(errors).any(|other| smaller_by(SURELY, &free, &other))
 }
 
 #[cfg(test)]

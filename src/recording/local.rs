@@ -251,8 +251,20 @@ impl<'a> Parabola<'a> {
         let c = covariance * right;
         (out.alpha[i], out.omega[i]) = (r.alpha()[k][i] + c[0], c[1]);
         out.acceleration[i] = c[2];
-        out.omega_variance[i] = covariance[(1, 1)].max(0.0);
-        out.alpha_variance[i] = if measured { covariance[(0, 0)].max(0.0) } else { 0.0 };
+        let rows = self.rows_per_count();
+        out.omega_variance[i] = rows * covariance[(1, 1)].max(0.0);
+        out.alpha_variance[i] = if measured { rows * covariance[(0, 0)].max(0.0) } else { 0.0 };
+    }
+
+    /// Rows of the neighbourhood for each of its counts where the counts of an encoder hide the speed, otherwise one: the
+    /// errors of rows with the same count are not independent, so that together they determine the motion like one row.
+    fn rows_per_count(&self) -> f64 {
+        let (r, i, rows) = (self.recording, self.wheel, &self.range);
+        if r.reach() == 1 {
+            return 1.0;
+        }
+        let changes = r.alpha()[rows.clone()].windows(2).filter(|w| w[0][i] != w[1][i]).count();
+        rows.len() as f64 / (1 + changes) as f64
     }
 }
 

@@ -6,7 +6,7 @@ use super::ranking::{ranking, staircase};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude,
-    difference, likely, withheld,
+    difference, likely, structured, withheld,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::correlations;
@@ -41,10 +41,10 @@ pub(super) struct Concluded<'a> {
 }
 
 impl<'a> Concluded<'a> {
-    /// Conclusion from a diagnosis; `floor`: that of the judged recordings under the last model, if already
+    /// Conclusion from a diagnosis with the `curves` of its residual torque; `floor`: that of the judged recordings under the last model, if already
     /// known.
     pub(super) fn of(
-        diagnosis: &'a Diagnosis,
+        (diagnosis, curves): (&'a Diagnosis, &[Curve]),
         basis: &'a Basis,
         floor: Option<WindowFloor>,
         undetermined: Option<Undetermined>,
@@ -60,13 +60,19 @@ impl<'a> Concluded<'a> {
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
         let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
         let errors = judge.errors(diagnosis, floor)?;
-        let left = judge.structure_left(diagnosis, &likelihood)?;
-        let depends_on = left.map(|dependence| dependence.variable);
+        let left = judge.left_by(diagnosis, &likelihood)?;
+        let depends_on = left.structure.map(|dependence| dependence.variable);
         let likely = likely(diagnosis, &errors);
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
-        let conclusion = conclude(diagnosis.steps.len(), &errors, leaves, depends_on.is_some());
+        let structure = depends_on.is_some() && structured(curves);
+        // slow noise of the input, as the innovations show it, may cause an error without structure
+        let asked = !structure && errors.above_floor();
+        let coloured = if asked { judge.coloured_floor(model, p, left.slow).powi(2) } else { 0.0 };
+        let most = errors.most.max(coloured);
+        let conclusion =
+            conclude(diagnosis.steps.len(), &Errors { most, ..errors }, leaves, structure);
         // a single model for recordings that differ does not contain the change between them
         let conclusion = match conclusion {
             Conclusion::Sufficient if differs.is_some() => Conclusion::Unknown,

@@ -70,7 +70,7 @@ impl Settled {
             *why != Undetermined::Columns || !identifies_inertia(diagnosis.last())
         };
         let undetermined = basis.undetermined.filter(stands);
-        let concluded = Concluded::of(&diagnosis, basis, floor, undetermined)?;
+        let concluded = Concluded::of((&diagnosis, curves), basis, floor, undetermined)?;
         let dependence = concluded.dependence(curves);
         let tried = || trial.or_else(|| Trial::of(curves, &diagnosis, basis));
         let trial = dependence.is_some().then(tried).flatten();

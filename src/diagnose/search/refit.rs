@@ -224,11 +224,13 @@ impl Search<'_> {
         inside && some && (!candidate.is_shift() || self.is_late(candidate, fit))
     }
 
-    /// Whether the time of a shift significantly exceeds what logging explains.
+    /// Whether the time of a shift significantly exceeds what logging explains; recordings with fewer windows than
+    /// parameters do not tell its error.
     fn is_late(&self, candidate: &Candidate, fit: &WindowFit) -> bool {
         let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
         let (beyond, error) = (fit.p[j] - self.scale.logging, fit.covariance[(j, j)].sqrt());
-        beyond > THRESHOLDS.uncertain * error && beyond > THRESHOLDS.least_shift * self.scale.step
+        let significant = fit.is_short() || beyond > THRESHOLDS.uncertain * error;
+        significant && beyond > THRESHOLDS.least_shift * self.scale.step
     }
 }
 

@@ -7,6 +7,7 @@ use crate::filter::{HorizonFilter, Reading, Sums};
 use crate::identify::Status;
 use crate::math::{Attempt, DampedSearch, Information, MinimumStatus, Proposal, take_steps};
 use crate::model::Model;
+use crate::model::base::{A1, A2};
 use crate::simulate::Hold;
 
 /// Steps, at most.
@@ -19,6 +20,9 @@ const NEGLIGIBLE: f64 = 5e-4;
 const NEAR: f64 = 0.5;
 /// Damping after the first failure, and its factor.
 const DAMPING: (f64, f64) = (1e-2, 10.0);
+/// Ratio of the inertias of turning and of driving straight below which a step is refused: a radius of gyration of a tenth
+/// of half the track, smaller than that of any robot (judgement).
+const VANISHING: f64 = 0.01;
 /// Largest shift of the input in rows.
 const MOST_SHIFT: f64 = 0.5;
 
@@ -207,6 +211,13 @@ pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, here: Solution
     Solution { status: status.into(), iterations, evaluations, ..here }
 }
 
+/// Whether a step from `before` makes the inertia of turning vanish beside that of driving straight: such a robot has no
+/// turning that the rows resolve, and its simulation takes the more steps the smaller it is.
+fn vanishes(p: &[f64], before: &[f64]) -> bool {
+    let ratio = |p: &[f64]| (p[A1] - p[A2]) / (p[A1] + p[A2]);
+    ratio(p) < VANISHING && ratio(p) < ratio(before)
+}
+
 /// A descent under way.
 struct Descent<'a> {
     filter: &'a HorizonFilter<'a>,
@@ -265,7 +276,9 @@ impl DampedSearch for Descent<'_> {
             near || there.cost() < here.cost() || halved()
         };
         let place = here.moved(model, &step);
-        match Solution::at(self.filter, model, place, here.horizon).filter(kept) {
+        let point = Some(place).filter(|(p, _)| !vanishes(p, &here.p));
+        let there = point.and_then(|point| Solution::at(self.filter, model, point, here.horizon));
+        match there.filter(kept) {
             Some(there) => {
                 self.here = there;
                 let most = self.damping > DAMPING.0;
