@@ -75,8 +75,10 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
-const TIMERS: [f64; 3] = [65.536, 4_294_967.296, 4_294.967_296];
+/// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds; a day, half a
+/// day, an hour and a minute of a clock.
+const TIMERS: [f64; 7] =
+    [65.536, 4_294_967.296, 4_294.967_296, 86_400.0, 43_200.0, 3600.0, 60.0];
 /// Tolerance of the time after a wrap in steps.
 const LATE: f64 = 2.0;
 

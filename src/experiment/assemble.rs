@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::align::{self, Asked};
 use super::custom::{Own, add};
 use super::error::{ExperimentError, Meaning, words};
-use super::plan::{MeasuredRecording, Plan, PlanOptions};
+use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
 use crate::effects;
@@ -47,6 +47,7 @@ impl Plan {
     ) -> Result<Self, ExperimentError> {
         let own = own_effects(&model, &options);
         check(&recordings, &options, &own).map_err(|e| e.of(name))?;
+        check_track(&model, options.diagnosis.as_ref()).map_err(|e| e.of(name))?;
         Ok(Self { own, ..assembled(name, model, recordings, options) })
     }
 }
@@ -66,8 +67,11 @@ fn check(
     if !recordings.iter().any(|m| m.role == Role::Train) {
         return Err(words("no training recording is given".into()));
     }
-    let train = recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_input(train) {
+    let train = || recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_motion(train()) {
+        return Err(words(super::quality::NO_MOTION.into()));
+    }
+    if super::quality::without_input(train()) {
         return Err(words(
             "the inputs of all training recordings are zero throughout; without an input the parameters have no scale"
                 .into(),
@@ -90,6 +94,25 @@ fn check(
         .diagnosis
         .as_ref()
         .map_or(Ok(()), |asked| candidates_are_known(&asked.settings.candidates, own))
+}
+
+/// Checks that the track is known where an effect of the model, or a candidate by its name, depends on it.
+///
+/// # Errors
+/// The effect, and the keys to be written.
+pub(super) fn check_track(model: &Model, asked: Option<&DiagnosisPlan>) -> Result<(), Meaning> {
+    if !has_no_track(model.robot()) {
+        return Ok(());
+    }
+    let named = |id: &String| asked.is_some_and(|asked| asked.settings.candidates.contains(id));
+    let of_model = || model.effects().iter().find(|e| e.needs_track()).map(|e| ("model.effects", e.id()));
+    let of_diagnosis = || of_track(asked).into_iter().find(named).map(|id| ("diagnosis.candidates", id));
+    of_model().or_else(of_diagnosis).map_or(Ok(()), |(key, id)| {
+        Err(words(format!(
+            "{key}: `{id}` depends on the distance between the wheels, which is not known: write l1_m (half that \
+             distance [m]) and r_m (radius of the wheels [m]) under [robot], or a preset; otherwise remove `{id}`"
+        )))
+    })
 }
 
 /// Checks that every candidate is an effect of the catalogue or of `own`.
@@ -129,7 +152,7 @@ pub(super) fn assembled(
         options;
     let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
     let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
-    let no_track = has_no_track(model.robot()).then(|| Remark::NoTrack { effects: of_heading() });
+    let no_track = has_no_track(model.robot()).then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
     let opposed = opposed.map(|share| Remark::Opposed { share });
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
@@ -162,9 +185,11 @@ pub(super) fn assembled(
     plan
 }
 
-/// Ids of the effects of the catalogue that require the track of the robot.
-fn of_heading() -> Vec<String> {
-    effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
+/// Ids of the effects that depend on the track of the robot: of the catalogue, and user-defined candidates.
+fn of_track(asked: Option<&DiagnosisPlan>) -> Vec<String> {
+    let catalogue = effects::all().into_iter().map(Own::from);
+    let own = asked.into_iter().flat_map(|asked| asked.settings.own.iter().cloned());
+    catalogue.chain(own).filter(|e| e.needs_track()).map(|e| e.id()).collect()
 }
 
 #[cfg(test)]

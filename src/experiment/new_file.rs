@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use super::guess::{About, Guess, Written, file_text, guess};
+use super::guess::{About, Guess, Guessed, Written, file_text, guess};
 use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
 use crate::io::{
     Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
@@ -73,6 +73,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         let (words, kind) = match look(path, &guess) {
             Ok((recording, findings)) => {
                 take_units(&mut guess, &findings);
+                take_magnitudes(&mut guess, &findings, path);
                 let kind = Kind::of(&recording);
                 (seen(&recording, &findings, kind), Some(kind))
             }
@@ -84,6 +85,10 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         let name = path.to_string_lossy();
         said.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
         kinds.push(kind);
+    }
+    let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
+    if is_still {
+        guess.ask(super::quality::NO_MOTION);
     }
     let is_asked = guess.is_open();
     let unread: Option<String> = unread.filter(|_| !is_asked);
@@ -99,7 +104,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
-    Ok(Draft { is_open: text.contains("\"?\"") || unread.is_some(), text, words: guess.words() })
+    let is_open = text.contains("\"?\"") || unread.is_some() || is_still;
+    Ok(Draft { is_open, text, words: guess.words() })
 }
 
 /// The recordings, with each test of a SysId file as a separate one.
@@ -152,7 +158,10 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
-    Ok((recording, if is_scaled { done.findings } else { vec![] }))
+    let mut findings = done.findings;
+    // the sign of an input does not depend on the scale of the motion
+    findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));
+    Ok((recording, findings))
 }
 
 /// Enters units determined by comparing speeds and angles into the file.
@@ -177,6 +186,29 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
             guess.answer(&answered);
         }
     }
+}
+
+/// Asks for the sign of inputs that conditioning refuses as magnitudes.
+fn take_magnitudes(guess: &mut Guess, findings: &[Finding], path: &Path) {
+    let is_one = |key: &str| {
+        let of = |f: &Finding| matches!(f.kind, conditioning::Kind::Magnitude) && f.channel.name() == key;
+        findings.iter().any(of)
+    };
+    let is_new = |c: &Guessed| is_one(c.key) && c.sign.is_none() && !c.sign_open;
+    let names: Vec<String> =
+        guess.columns.iter().filter(|c| is_new(c)).map(|c| format!("`{}`", c.name)).collect();
+    if names.is_empty() {
+        return;
+    }
+    let (verb, them) = if names.len() == 1 { ("changes its", "it") } else { ("change their", "them") };
+    guess.ask(format!(
+        "{} never {verb} sign in {} although the wheels are driven both ways: a magnitude? Write the column with the \
+         direction as sign, or another input as M1 and M2 (the commanded voltage); or remove sign and write \
+         sign_from_speed = true under [conditioning], which gives {them} the sign of the speed (wrong while braking)",
+        names.join(" and "),
+        path.to_string_lossy()
+    ));
+    guess.columns.iter_mut().filter(|c| is_one(c.key) && c.sign.is_none()).for_each(|c| c.sign_open = true);
 }
 
 /// Asks for the gear ratio between the shafts of speeds and angles, and opens the factor of the faster one.
@@ -218,12 +250,17 @@ enum Kind {
     Straight,
     Turning,
     Mixed,
+    /// The wheels do not move.
+    Still,
 }
 
 impl Kind {
     /// Classified by the angles of the wheels over a quarter of a second, in which the steps of an encoder
     /// are small: equal angles are straight driving, opposite ones turning on the spot.
     fn of(r: &Recording) -> Self {
+        if super::quality::without_motion(std::iter::once(r)) {
+            return Self::Still;
+        }
         let rows = ((PASSED / r.step()).round() as usize).clamp(1, r.len() - 1);
         let size = |sign: f64| -> f64 {
             let passed = |k: usize, i: usize| r.alpha()[k + rows][i] - r.alpha()[k][i];
@@ -244,6 +281,7 @@ impl Kind {
             Self::Straight => "straight ahead",
             Self::Turning => "turning on the spot",
             Self::Mixed => "straight and turning",
+            Self::Still => "at rest throughout",
         }
     }
 }
