@@ -58,8 +58,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         // is large, as it gains speed where inertia is
         let is_input =
             |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
-        let driven =
-            is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));
+        let driven = is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));
         let negative = of(&input, 0.0) < -0.01 * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
             continue;
@@ -200,6 +199,32 @@ mod tests {
         let mut work = Conditioned { channels, findings: vec![] };
         at_rest(&mut work, &Context::default());
         work.findings
+    }
+
+    /// Wheels at these speeds, with these inputs.
+    fn driven(speed: impl Fn(f64) -> f64, input: impl Fn(f64) -> f64) -> Option<String> {
+        let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
+        let torque = t.iter().map(|t| [input(*t); 2]).collect();
+        let channels = Channels { alpha: None, omega, torque, t };
+        let mut work = Conditioned { channels, findings: vec![] };
+        sign(&mut work, &Settings::default()).err().map(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_magnitude_is_refused_under_friction_and_under_inertia() {
+        let speed = |t: f64| 8.0 * (1.3 * t).sin();
+        let (friction, inertia) = (|t: f64| (1.3 * t).sin(), |t: f64| (1.3 * t).cos());
+        for input in [&friction as &dyn Fn(f64) -> f64, &inertia] {
+            let refused = driven(speed, |t| input(t).abs()).unwrap();
+            assert!(refused.contains("M1 never changes its sign"), "{refused}");
+            assert_eq!(driven(speed, input), None);
+        }
+        // a wheel that rolls back by itself under an input that drives it forward alone
+        assert_eq!(driven(speed, |t| (1.3 * t).cos().max(0.0)), None);
+        // noise of a speed sensor at rest goes both ways as well
+        let noise = |t: f64| 0.02 * (1e4 * t * t).sin();
+        assert_eq!(driven(noise, |t| 0.5 + 0.1 * t.sin()), None);
     }
 
     #[test]

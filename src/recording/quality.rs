@@ -8,6 +8,7 @@ mod consistency;
 mod excitation;
 mod issue;
 mod motion;
+mod settling;
 mod timing;
 mod window;
 
@@ -97,6 +98,7 @@ impl Quality {
 pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
     let (rate_hz, jitter, gaps) = timing::measure(recording);
     let mut findings = timing::findings(recording, jitter, gaps);
+    findings.extend(settling::finding(recording));
     findings.extend(channel::findings(recording));
     let windows = windows(recording);
     findings.extend(motion::findings(recording, &windows, robot));

@@ -92,17 +92,14 @@ pub(crate) fn never_moves(sensor: &[f64], input: &[f64]) -> bool {
     let square: f64 = sensor.iter().map(|x| (x - m).powi(2)).sum();
     let limit = SURE / (sensor.len() as f64).sqrt();
     let is_white = square == 0.0 || product < NOISE * square;
-    is_white
-        && (0..=LATER).all(|later| correlation(sensor, input, later).abs() < limit)
+    is_white && (0..=LATER).all(|later| correlation(sensor, input, later).abs() < limit)
 }
 
 /// The correlation of values with those of the other signal some rows before; zero of a constant.
 fn correlation(values: &[f64], others: &[f64], later: usize) -> f64 {
     let pairs = || values.iter().skip(later).zip(others);
-    let [m, n] = [
-        Moments::of(pairs().map(|(x, _)| *x)).mean,
-        Moments::of(pairs().map(|(_, y)| *y)).mean,
-    ];
+    let [m, n] =
+        [Moments::of(pairs().map(|(x, _)| *x)).mean, Moments::of(pairs().map(|(_, y)| *y)).mean];
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for (x, y) in pairs() {
         (xx, yy, xy) = (xx + (x - m).powi(2), yy + (y - n).powi(2), xy + (x - m) * (y - n));
