@@ -18,10 +18,10 @@ pub(super) fn apply(all: &mut [Candidate]) -> Vec<String> {
     present_values(all).into_iter().collect()
 }
 
-/// Number of columns from which on the letter of a matrix says nothing of them.
+/// Number of columns from which on the letter of a matrix is no quantity.
 const OF_A_MATRIX: usize = 3;
 
-/// Forgets what the letter of a matrix with several columns would denote: `M(:,3)` is no torque.
+/// Removes the quantity that the letter of a matrix with several columns would denote: `M(:,3)` is no torque.
 pub(super) fn matrices(all: &mut [Candidate]) {
     let letter = |c: &Candidate| {
         let (stem, index) = c.column.name.split_once("(:,")?;

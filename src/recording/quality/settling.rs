@@ -16,9 +16,11 @@ use crate::math::fit;
 const ROWS: usize = 50;
 /// Standard errors by which phi must be below that of one time constant.
 const SURE: f64 = 2.0;
+/// Largest standard error of a phi that is known: constant inputs do not show it.
+const KNOWN: f64 = 0.1;
 /// Share of the change of the speeds that the equation must explain; noise alone has no time constant.
 const EXPLAINED: f64 = 0.5;
-/// Smallest phi that is told from zero: three time constants in a row.
+/// Smallest phi that is distinguished from zero: three time constants in a row.
 const SMALLEST: f64 = 0.05;
 
 /// The finding on a wheel that settles within a row.
@@ -81,7 +83,10 @@ fn phi(r: &Recording, i: usize) -> Option<f64> {
     let mean = y.mean();
     let all: f64 = y.iter().map(|v| (v - mean).powi(2)).sum();
     let (value, error) = (last.coefficients[0], last.std_errors[0]);
-    let is_one = rest < (1.0 - EXPLAINED) * all && value + SURE * error < (-1.0_f64).exp();
+    // a negative value of more than its error is no decay
+    let is_known = error < KNOWN && value > -SURE * error;
+    let is_fast = value + SURE * error < (-1.0_f64).exp();
+    let is_one = is_known && is_fast && rest < (1.0 - EXPLAINED) * all;
     is_one.then_some(value)
 }
 

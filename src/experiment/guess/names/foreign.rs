@@ -4,7 +4,7 @@ use crate::io::side;
 
 /// Words of quantities that are not those of a wheel: of the body, of the battery, and of sensors that measure the
 /// distance to an obstacle.
-const OTHERS: [&str; 51] = [
+const OTHERS: [&str; 50] = [
     "gyro",
     "imu",
     "heading",
@@ -49,7 +49,6 @@ const OTHERS: [&str; 51] = [
     "proximity",
     "prox",
     "obstacle",
-    "wall",
     "cliff",
     "bumper",
     "clearance",

@@ -178,6 +178,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "tau",
             "effort",
             "efforts",
+            "eff",
             "trq",
             "tq",
             "drehmoment",
