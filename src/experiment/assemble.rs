@@ -270,7 +270,7 @@ mod tests {
         }
         let plan = keys("diagnosis.candidates = \"all\"").unwrap();
         let remarks: Vec<String> = plan.remarks.iter().map(ToString::to_string).collect();
-        assert!(remarks[0].contains("(payload, slope) are not tested"), "{remarks:?}");
+        assert!(remarks[0].contains("(slope, payload) are not tested"), "{remarks:?}");
         let known = "model.effects = [\"slope\"]\nrobot.l1_m = 0.15\nrobot.r_m = 0.08";
         assert!(keys(known).is_ok());
     }

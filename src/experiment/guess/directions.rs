@@ -31,7 +31,7 @@ const BACK: [&str; 13] = [
 /// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
 /// Share of the steps of an angle that are no wraps, and ratio to the largest of them above which a step is a wrap.
-const USUAL: f64 = 0.98;
+const USUAL: f64 = 0.9;
 const WRAP: f64 = 3.0;
 
 /// A direction: its column, the wheel, and its values.

@@ -167,9 +167,9 @@ mod tests {
             };
             guess(&names.iter().map(column).collect::<Vec<_>>())
         };
-        let g = of(&["rpm_vasen", "rpm_oikea", "amps_vasen", "amps_oikea"]);
-        assert_eq!(g.columns[0].name, "rpm_oikea");
-        assert!(g.asked().contains("is the right wheel that of `rpm_oikea`"));
+        let g = of(&["rpm_vasak", "rpm_parem", "amps_vasak", "amps_parem"]);
+        assert_eq!(g.columns[0].name, "rpm_parem");
+        assert!(g.asked().contains("is the right wheel that of `rpm_parem`"));
         assert!(!g.one_axis);
         let g = of(&["rpm_raw", "rpm_filt", "amps_raw", "amps_filt"]);
         assert!(!g.columns.iter().any(|c| c.key == "dalpha1"), "{:?}", g.columns);

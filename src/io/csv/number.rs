@@ -225,7 +225,15 @@ mod tests {
                 && value("null", Style::Point).unwrap().is_nan()
         );
         assert_eq!(value("0x1A3F", Style::Point), Some(6719.0));
-        for text in ["broken", "0xg1", "20261303T000000", "2026-13-03 00:00", "1:x", "1:03:00 XM", "12:00:x"] {
+        for text in [
+            "broken",
+            "0xg1",
+            "20261303T000000",
+            "2026-13-03 00:00",
+            "1:x",
+            "1:03:00 XM",
+            "12:00:x",
+        ] {
             assert_eq!(value(text, Style::Either), None, "{text}");
         }
     }
