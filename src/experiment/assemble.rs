@@ -68,8 +68,8 @@ fn check(
         return Err(words("no training recording is given".into()));
     }
     let train = || recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_motion(train()) {
-        return Err(words(super::quality::NO_MOTION.into()));
+    if super::remarks::without_motion(train()) {
+        return Err(words(super::remarks::NO_MOTION.into()));
     }
     if super::quality::without_input(train()) {
         return Err(words(

@@ -92,7 +92,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     }
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
     if is_still {
-        guess.ask(super::quality::NO_MOTION);
+        guess.ask(super::remarks::NO_MOTION);
     }
     let is_asked = guess.is_open();
     let unread: Option<String> = unread.filter(|_| !is_asked);

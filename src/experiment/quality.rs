@@ -1,6 +1,6 @@
 //! Findings of the quality check, by severity.
 
-use crate::recording::{Finding, Recording, Severity, quality, shows_no_motion};
+use crate::recording::{Finding, Recording, Severity, quality};
 use crate::robot::Robot;
 
 /// The warnings and problems of a recording, the most severe first.
@@ -17,17 +17,6 @@ pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
 /// Whether no recording has any input, so that the parameters are identifiable only up to a common factor.
 pub(super) fn without_input<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
     recordings.all(|r| r.torque().iter().all(|m| *m == [0.0; 2]))
-}
-
-/// Recordings at rest.
-pub(super) const NO_MOTION: &str = "the wheels do not move in any training recording: their angles and speeds are \
-                                    constant, or noise that is not correlated with the input. Record a motion of \
-                                    both wheels; if they did move, check which columns are assigned to alpha1, \
-                                    alpha2, dalpha1 and dalpha2, and the sensors";
-
-/// Whether the sensors of both wheels show no motion in any recording.
-pub(super) fn without_motion<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
-    recordings.all(|r| (0..2).all(|i| shows_no_motion(r, i)))
 }
 
 #[cfg(test)]

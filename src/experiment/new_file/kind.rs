@@ -21,7 +21,7 @@ impl Kind {
     /// Classified by the angles of the wheels over a quarter of a second, in which the steps of an encoder
     /// are small: equal angles are straight driving, opposite ones turning on the spot.
     pub(super) fn of(r: &Recording) -> Self {
-        if super::super::quality::without_motion(std::iter::once(r)) {
+        if super::super::remarks::without_motion(std::iter::once(r)) {
             return Self::Still;
         }
         let rows = ((PASSED / r.step()).round() as usize).clamp(1, r.len() - 1);
