@@ -53,7 +53,6 @@ fn wanted(key: &str) -> &'static str {
         }
         "backward" => "the content of the direction column for negative values, in quotes",
         "period" => "the sampling period [s], or t = \"…\" with the name of the time column",
-        "drive_unit" => "the unit of the input: \"N m\", \"V\" or \"A\"",
         "r_m" => "the radius of the wheels [m]",
         _ => "the name of a column of the recording; the comments above list them",
     }

@@ -165,7 +165,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     let _ = write!(
         out,
         "drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters are estimated per that unit\n{}",
-        if w.guess.has_input() { w.guess.drive_unit.symbol() } else { "?" },
+        w.guess.drive_unit.symbol(),
         input_words(w.guess.drive_unit)
     );
     let diagnose::Settings { false_alarm, max_effects, .. } = diagnose::Settings::default();
