@@ -47,22 +47,27 @@ def compared(experiment, slope, tmp_path_factory):
 
 
 def as_path(path):
-    return ai.Recording.read(path)
+    return ai.Recording.read(path, robot="amigobot")
 
 
 def as_polars(path):
-    return ai.Recording.from_frame(pl.read_csv(path), name=path.name)
+    return ai.Recording.from_frame(pl.read_csv(path), name=path.name, robot="amigobot")
 
 
 def as_pandas(path):
-    return ai.Recording.from_frame(pd.read_csv(path), name=path.name)
+    return ai.Recording.from_frame(pd.read_csv(path), name=path.name, robot="amigobot")
 
 
 def as_arrays(path):
     table = np.genfromtxt(path, delimiter=",", names=True)
     pair = lambda key: np.stack([table[f"{key}1"], table[f"{key}2"]], axis=1)  # noqa: E731
     return ai.Recording.from_arrays(
-        table["t"], pair("M"), dalpha=pair("dalpha"), alpha=pair("alpha"), name=path.name
+        table["t"],
+        pair("M"),
+        dalpha=pair("dalpha"),
+        alpha=pair("alpha"),
+        name=path.name,
+        robot="amigobot",
     )
 
 
@@ -150,7 +155,7 @@ def test_columns_of_any_names_are_found_out_as_by_the_command_line(experiment, s
         for side, i in (("right", 1), ("left", 2)):
             other |= {f"{side}_rpm": rpm * table[f"dalpha{i}"], f"{side}_torque_Nm": table[f"M{i}"]}
         pl.DataFrame(other).write_csv(tmp_path / f"run_{k}.csv")
-    asked = ["diagnosis.candidates=['slope']", "diagnosis.max_effects=1"]
+    asked = ["robot.preset='amigobot'", "diagnosis.candidates=['slope']", "diagnosis.max_effects=1"]
     paths = [tmp_path / f"run_{k}.csv" for k in (1, 2)]
     loaded = ai.Experiment.from_recordings(paths, set=asked)
     assert "right_rpm" in loaded.warnings[0]

@@ -19,7 +19,7 @@ from amigo_ident import _native
 
 @pytest.fixture(scope="module")
 def train(slope):
-    return ai.Recording.read(slope / "train_1.csv")
+    return ai.Recording.read(slope / "train_1.csv", robot="amigobot")
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +157,7 @@ def test_other_threads_run_during_a_computation(train):
 
 def test_the_overlay_is_that_of_the_comparison_and_its_residual_shows_the_slope(slope, train):
     fit = ai.identify(train, method="weak_form")
-    validation = ai.Recording.read(slope / "validation.csv")
+    validation = ai.Recording.read(slope / "validation.csv", robot="amigobot")
     comparison = ai.compare(fit, validation)
     table = comparison.overlay("validation.csv")
     error = table["dalpha1_rad_s", "dalpha2_rad_s"].to_numpy() - table[
@@ -174,13 +174,14 @@ def test_the_overlay_is_that_of_the_comparison_and_its_residual_shows_the_slope(
 
 
 def test_a_notebook_shows_the_verdict_and_a_picture(slope, train, tmp_path):
-    diagnosis = ai.diagnose(train, slope / "validation.csv", candidates=["slope"], max_effects=1)
+    validation = ai.Recording.read(slope / "validation.csv", robot="amigobot")
+    diagnosis = ai.diagnose(train, validation, candidates=["slope"], max_effects=1)
     shown = diagnosis._repr_html_()
     assert "slope" in shown.split("<svg")[0]
     picture = ElementTree.fromstring(diagnosis.svg())
     assert picture.tag.endswith("svg")
     # text is drawn as outlines; the model with the effect is one more curve a panel, of dashes
-    plain = ai.compare(ai.identify(train, method="weak_form"), slope / "validation.csv").svg()
+    plain = ai.compare(ai.identify(train, method="weak_form"), validation).svg()
     assert diagnosis.svg().count("<path") > 2 * plain.count("<path")
     assert diagnosis.sentence in repr(diagnosis)
     table = diagnosis.overlay()
@@ -245,6 +246,8 @@ def test_an_index_of_dates_with_a_zone_is_the_time(slope, train):
 def test_no_robot_is_assumed(slope):
     study = ai.diagnose(ai.Recording.read(slope / "train_1.csv"), candidates=["turning_scrub"])
     assert study.results["robot"] == "unknown"
+    with pytest.raises(ai.InputError, match="`slope` depends on the distance between the wheels"):
+        ai.identify(slope / "train_1.csv", effects=["slope"])
 
 
 def test_simulate_is_that_of_the_fit(fit, train):

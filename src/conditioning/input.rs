@@ -2,14 +2,20 @@
 
 use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{FEW_LEVELS, column, levels, quantile};
+use super::signal::{FEW_LEVELS, column, levels, median_high, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::Moments;
+use crate::recording::never_moves;
 
 /// Share of the top speed above which a wheel counts as turning in one direction.
 const MOVING: f64 = 0.2;
 /// Smallest number and share of the rows in each direction.
 const BOTH_WAYS: (usize, f64) = (20, 0.02);
+/// Time on either side over which a speed rises \[s\], and smallest number of rows: less than a start takes, and more than
+/// the noise of single rows.
+const RISE: (f64, usize) = (0.05, 2);
+/// Share of the backward rows that are those of steepest rise.
+const STEEPEST: f64 = 0.25;
 /// Smallest number of rows at rest before the start.
 const AT_REST: usize = 20;
 /// Largest offset as a share of the input's range; above it an external force holds the robot.
@@ -26,12 +32,17 @@ pub(super) fn few_levels(work: &mut Conditioned) {
     }
 }
 
-/// An input that never changes its sign although its wheel is driven both ways.
+/// An input that never changes its sign although its wheel is driven both ways. A wheel whose sensors show noise alone is
+/// not driven.
 pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
     let Some(speeds) = speeds(work) else { return Ok(()) };
     for i in 0..2 {
         let speed = column(&speeds, i);
         let mut input = column(&work.channels.torque, i);
+        let sensors = [work.channels.alpha.as_ref(), work.channels.omega.as_ref()];
+        if sensors.into_iter().flatten().all(|s| never_moves(&column(s, i), &input)) {
+            continue;
+        }
         let of = |input: &[f64], share: f64| {
             quantile(input.iter().copied().filter(|m| m.is_finite()), share)
         };
@@ -43,8 +54,11 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
         let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
-        // backward motion must occur under a substantial input, not while the wheel coasts
-        let driven = quantile(backward.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
+        // backward motion must occur under a substantial input, not while the wheel coasts: most of the time where friction
+        // is large, as it gains speed where inertia is
+        let is_input =
+            |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
+        let driven = is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));
         let negative = of(&input, 0.0) < -0.01 * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
             continue;
@@ -68,6 +82,20 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         }
     }
     Ok(())
+}
+
+/// Of these rows of backward motion those in which the wheel gains speed most steeply.
+fn gaining(t: &[f64], speed: &[f64], backward: &[usize]) -> Vec<usize> {
+    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let half = ((RISE.0 / step).round() as usize).max(RISE.1);
+    let rise = |k: usize| {
+        let (from, to) = (k.saturating_sub(half), (k + half).min(t.len() - 1));
+        (speed[from] - speed[to]) / (t[to] - t[from])
+    };
+    let mut rows = backward.to_vec();
+    rows.sort_by(|a, b| rise(*b).total_cmp(&rise(*a)));
+    rows.truncate((STEEPEST * rows.len() as f64).ceil() as usize);
+    rows
 }
 
 /// Speeds as recorded, or else slopes of the angles.
@@ -171,6 +199,32 @@ mod tests {
         let mut work = Conditioned { channels, findings: vec![] };
         at_rest(&mut work, &Context::default());
         work.findings
+    }
+
+    /// Wheels at these speeds, with these inputs.
+    fn driven(speed: impl Fn(f64) -> f64, input: impl Fn(f64) -> f64) -> Option<String> {
+        let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
+        let torque = t.iter().map(|t| [input(*t); 2]).collect();
+        let channels = Channels { alpha: None, omega, torque, t };
+        let mut work = Conditioned { channels, findings: vec![] };
+        sign(&mut work, &Settings::default()).err().map(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_magnitude_is_refused_under_friction_and_under_inertia() {
+        let speed = |t: f64| 8.0 * (1.3 * t).sin();
+        let (friction, inertia) = (|t: f64| (1.3 * t).sin(), |t: f64| (1.3 * t).cos());
+        for input in [&friction as &dyn Fn(f64) -> f64, &inertia] {
+            let refused = driven(speed, |t| input(t).abs()).unwrap();
+            assert!(refused.contains("M1 never changes its sign"), "{refused}");
+            assert_eq!(driven(speed, input), None);
+        }
+        // a wheel that rolls back by itself under an input that drives it forward alone
+        assert_eq!(driven(speed, |t| (1.3 * t).cos().max(0.0)), None);
+        // noise of a speed sensor at rest goes both ways as well
+        let noise = |t: f64| 0.02 * (1e4 * t * t).sin();
+        assert_eq!(driven(noise, |t| 0.5 + 0.1 * t.sin()), None);
     }
 
     #[test]

@@ -75,8 +75,9 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds.
-const TIMERS: [f64; 3] = [65.536, 4_294_967.296, 4_294.967_296];
+/// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds; a day, half a
+/// day, an hour and a minute of a clock.
+const TIMERS: [f64; 7] = [65.536, 4_294_967.296, 4_294.967_296, 86_400.0, 43_200.0, 3600.0, 60.0];
 /// Tolerance of the time after a wrap in steps.
 const LATE: f64 = 2.0;
 
@@ -183,13 +184,19 @@ mod tests {
 
     #[test]
     fn a_timer_that_wraps_goes_on_without_a_gap() {
-        // a counter of milliseconds in 16 bits, from 60 s on, rows every 20 ms
-        let t = (0..1000).map(|k| 1e-3 * f64::from((60_000 + 20 * k) % 65_536)).collect();
-        let mut w = work(t);
-        times(&mut w, &Settings::default());
-        assert!(matches!(w.findings[..], [Finding { kind: Kind::ClockWrap { count: 1, .. }, .. }]));
-        let even = w.channels.t.windows(2).all(|p| (p[1] - p[0] - 0.02).abs() < 1e-9);
-        assert!(even && w.channels.t.len() == 1000);
+        // a counter of milliseconds in 16 bits, and the time of day about midnight, rows every 20 ms
+        for (from, period) in [(60_000, 65_536), (86_390_000, 86_400_000)] {
+            let t = (0..1000).map(|k| 1e-3 * f64::from((from + 20 * k) % period)).collect();
+            let mut w = work(t);
+            times(&mut w, &Settings::default());
+            assert!(matches!(
+                w.findings[..],
+                [Finding { kind: Kind::ClockWrap { count: 1, .. }, .. }]
+            ));
+            // stamps of a day have 11 decimals
+            let even = w.channels.t.windows(2).all(|p| (p[1] - p[0] - 0.02).abs() < 1e-9);
+            assert!(even && w.channels.t.len() == 1000);
+        }
     }
 
     #[test]

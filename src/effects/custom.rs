@@ -233,7 +233,7 @@ impl Physics for Custom {
         }
     }
 
-    fn depends_on_heading(&self) -> bool {
+    fn needs_track(&self) -> bool {
         let formulas = [Some(&self.definition.torque1), self.definition.torque2.as_ref()];
         let names_heading =
             |text: &String| parse(text).is_ok_and(|formula| formula.variables().contains(&"beta"));

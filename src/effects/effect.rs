@@ -101,8 +101,8 @@ pub trait Physics: Send + Sync + 'static {
         false
     }
 
-    /// Whether its torque depends on the heading of the robot, which requires the track.
-    fn depends_on_heading(&self) -> bool {
+    /// Whether it depends on the track of the robot: by the heading, or by a load away from the middle of the axle.
+    fn needs_track(&self) -> bool {
         false
     }
 
@@ -237,8 +237,8 @@ pub trait Effect: Send + Sync {
     fn time(&self) -> usize;
     /// [`Physics::is_common`].
     fn is_common(&self) -> bool;
-    /// [`Physics::depends_on_heading`].
-    fn depends_on_heading(&self) -> bool;
+    /// [`Physics::needs_track`].
+    fn needs_track(&self) -> bool;
     /// [`Physics::waves`].
     fn waves(&self, p: &[f64]) -> Vec<Wave>;
     /// Whether its torque has components that are periodic in an angle.
@@ -344,8 +344,8 @@ impl<P: Physics> Effect for P {
     fn is_common(&self) -> bool {
         Physics::is_common(self)
     }
-    fn depends_on_heading(&self) -> bool {
-        Physics::depends_on_heading(self)
+    fn needs_track(&self) -> bool {
+        Physics::needs_track(self)
     }
     fn waves(&self, p: &[f64]) -> Vec<Wave> {
         Physics::waves(self, p)

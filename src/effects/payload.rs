@@ -51,6 +51,10 @@ impl Physics for Payload {
         scale.inertia_held
     }
 
+    fn needs_track(&self) -> bool {
+        true
+    }
+
     fn energy(&self) -> Energy {
         Energy::Stores
     }

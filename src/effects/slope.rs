@@ -66,7 +66,7 @@ impl Physics for Slope {
         Energy::Stores
     }
 
-    fn depends_on_heading(&self) -> bool {
+    fn needs_track(&self) -> bool {
         true
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::align::{self, Asked};
 use super::custom::{Own, add};
 use super::error::{ExperimentError, Meaning, words};
-use super::plan::{MeasuredRecording, Plan, PlanOptions};
+use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
 use crate::effects;
@@ -47,6 +47,7 @@ impl Plan {
     ) -> Result<Self, ExperimentError> {
         let own = own_effects(&model, &options);
         check(&recordings, &options, &own).map_err(|e| e.of(name))?;
+        check_track(&model, options.diagnosis.as_ref()).map_err(|e| e.of(name))?;
         Ok(Self { own, ..assembled(name, model, recordings, options) })
     }
 }
@@ -66,8 +67,11 @@ fn check(
     if !recordings.iter().any(|m| m.role == Role::Train) {
         return Err(words("no training recording is given".into()));
     }
-    let train = recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_input(train) {
+    let train = || recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::remarks::without_motion(train()) {
+        return Err(words(super::remarks::NO_MOTION.into()));
+    }
+    if super::quality::without_input(train()) {
         return Err(words(
             "the inputs of all training recordings are zero throughout; without an input the parameters have no scale"
                 .into(),
@@ -90,6 +94,27 @@ fn check(
         .diagnosis
         .as_ref()
         .map_or(Ok(()), |asked| candidates_are_known(&asked.settings.candidates, own))
+}
+
+/// Checks that the track is known where an effect of the model, or a candidate by its name, depends on it.
+///
+/// # Errors
+/// The effect, and the keys to be written.
+pub(super) fn check_track(model: &Model, asked: Option<&DiagnosisPlan>) -> Result<(), Meaning> {
+    if !has_no_track(model.robot()) {
+        return Ok(());
+    }
+    let named = |id: &String| asked.is_some_and(|asked| asked.settings.candidates.contains(id));
+    let of_model =
+        || model.effects().iter().find(|e| e.needs_track()).map(|e| ("model.effects", e.id()));
+    let of_diagnosis =
+        || of_track(asked).into_iter().find(named).map(|id| ("diagnosis.candidates", id));
+    of_model().or_else(of_diagnosis).map_or(Ok(()), |(key, id)| {
+        Err(words(format!(
+            "{key}: `{id}` depends on the distance between the wheels, which is not known: write l1_m (half that \
+             distance [m]) and r_m (radius of the wheels [m]) under [robot], or a preset; otherwise remove `{id}`"
+        )))
+    })
 }
 
 /// Checks that every candidate is an effect of the catalogue or of `own`.
@@ -129,7 +154,8 @@ pub(super) fn assembled(
         options;
     let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
     let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
-    let no_track = has_no_track(model.robot()).then(|| Remark::NoTrack { effects: of_heading() });
+    let no_track = has_no_track(model.robot())
+        .then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
     let opposed = opposed.map(|share| Remark::Opposed { share });
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
@@ -162,9 +188,11 @@ pub(super) fn assembled(
     plan
 }
 
-/// Ids of the effects of the catalogue that require the track of the robot.
-fn of_heading() -> Vec<String> {
-    effects::all().iter().filter(|e| e.depends_on_heading()).map(|e| e.id()).collect()
+/// Ids of the effects that depend on the track of the robot: of the catalogue, and user-defined candidates.
+fn of_track(asked: Option<&DiagnosisPlan>) -> Vec<String> {
+    let catalogue = effects::all().into_iter().map(Own::from);
+    let own = asked.into_iter().flat_map(|asked| asked.settings.own.iter().cloned());
+    catalogue.chain(own).filter(|e| e.needs_track()).map(|e| e.id()).collect()
 }
 
 #[cfg(test)]
@@ -219,6 +247,51 @@ mod tests {
             (plan.title.clone(), plan.seed, plan.hold, plan.emulated, plan.methods[0].title.clone())
         };
         assert_eq!(stated(&typed), stated(&by_keys));
+    }
+
+    #[test]
+    fn effects_that_depend_on_an_unknown_track_are_refused_with_the_keys() {
+        let keys = |text: &str| {
+            let table = toml::from_str(&format!("robot.preset = \"unknown\"\n{text}")).unwrap();
+            plan_of("mine", &table, recordings(&["train_1"], &[]), None)
+        };
+        for (text, key, id) in [
+            ("model.effects = [\"slope\"]", "model.effects", "slope"),
+            ("model.effects = [\"payload\"]", "model.effects", "payload"),
+            (
+                "diagnosis.candidates = [\"turning_scrub\", \"slope\"]",
+                "diagnosis.candidates",
+                "slope",
+            ),
+        ] {
+            let error = keys(text).err().unwrap().to_string();
+            assert!(error.contains(&format!("{key}: `{id}` depends on the distance")), "{error}");
+            assert!(error.contains("write l1_m") && error.contains("under [robot]"), "{error}");
+        }
+        let plan = keys("diagnosis.candidates = \"all\"").unwrap();
+        let remarks: Vec<String> = plan.remarks.iter().map(ToString::to_string).collect();
+        assert!(remarks[0].contains("(slope, payload) are not tested"), "{remarks:?}");
+        let known = "model.effects = [\"slope\"]\nrobot.l1_m = 0.15\nrobot.r_m = 0.08";
+        assert!(keys(known).is_ok());
+    }
+
+    #[test]
+    fn recordings_at_rest_are_refused_as_such() {
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+        let column = |name: &str, f: &dyn Fn(f64) -> f64| {
+            (name.to_owned(), (0..1000).map(|k| f(0.01 * f64::from(k))).collect::<Vec<_>>())
+        };
+        let noise = |t: f64| 0.02 * (1e4 * t * t).sin();
+        let columns = [
+            column("t", &|t| t),
+            column("dalpha1", &noise),
+            column("dalpha2", &|t| -noise(t)),
+            column("M1", &|t| 0.5 + 0.1 * t.sin()),
+            column("M2", &|t| 0.5 + 0.1 * t.cos()),
+        ];
+        let still = reading.table(Role::Train, "still", &columns).unwrap();
+        let refused = refused(vec![still], PlanOptions::default());
+        assert!(refused.contains("the wheels do not move in any training recording"), "{refused}");
     }
 
     #[test]

@@ -1,10 +1,15 @@
 //! The diagnosis of an experiment, with its verdict.
 
+use std::sync::Arc;
+
 use super::comparison::Comparison;
+use super::custom::Own;
 use super::error::RunError;
 use super::plan::{DiagnosisPlan, Plan};
+use super::robot_table::has_no_track;
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
+use crate::effects;
 use crate::identify::{IdentifyError, Note, Task, start, start_without_friction};
 use crate::model::Model;
 use crate::model::base::{A1, A2};
@@ -133,11 +138,25 @@ fn search(
     let model = with_held(plan, &train, comparison);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
     let starts = starts(plan, &task);
-    let settings = Settings { estimates: estimates(&model, comparison), ..settings.clone() };
+    let settings = Settings {
+        estimates: estimates(&model, comparison),
+        candidates: candidates(plan, settings),
+        ..settings.clone()
+    };
     let validation = plan.of(Role::Validation);
     let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
     crate::diagnose::diagnose(&model, &starts, &data, &settings)
+}
+
+/// The candidates; of a robot whose track is unknown without the effects that depend on it.
+fn candidates(plan: &Plan, settings: &Settings) -> Vec<String> {
+    if !settings.candidates.is_empty() || !has_no_track(plan.model.robot()) {
+        return settings.candidates.clone();
+    }
+    let catalogue = effects::all().into_iter().map(Arc::from);
+    let all = catalogue.chain(settings.own.iter().cloned());
+    all.filter(|effect: &Own| !effect.needs_track()).map(|effect| effect.id()).collect()
 }
 
 /// The model with unidentifiable parameters fixed at the values of the preferred fit: if parameters are free

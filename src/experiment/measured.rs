@@ -5,6 +5,7 @@ use std::path::Path;
 use super::error::{Meaning, words};
 use super::file::RecordingsEntry;
 use super::reading::Reading;
+use super::remarks::{NO_MOTION, without_motion};
 use super::source::MeasuredRecording;
 use super::together::{Unread, read_together};
 use crate::conditioning::Settings;
@@ -34,13 +35,16 @@ pub(super) fn read(
     };
     let all = [of(Role::Train, &entry.train), of(Role::Validation, &entry.validation)].concat();
     let measured = read_together(&all)?;
-    let train = measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::quality::without_input(train) {
+    let train = || measured.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
+    if super::quality::without_input(train()) {
         return Err(words(format!(
             "recordings.train: M1 and M2 are zero throughout ({}); without an input the parameters \
              have no scale, so record the torques, or name their columns",
             entry.train.join(", ")
         )));
+    }
+    if without_motion(train()) {
+        return Err(words(format!("recordings.train: {NO_MOTION} ({})", entry.train.join(", "))));
     }
     Ok(measured)
 }

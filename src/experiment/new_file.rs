@@ -1,9 +1,12 @@
 //! `experiment new`: from recordings to a commented experiment file.
 
+mod kind;
+
 use std::path::{Path, PathBuf};
 
+use self::kind::{Kind, split};
 use super::error::ExperimentError;
-use super::guess::{About, Guess, Written, file_text, guess};
+use super::guess::{About, Guess, Guessed, Written, file_text, guess};
 use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
 use crate::io::{
     Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
@@ -13,10 +16,6 @@ use crate::study::shell_word;
 
 /// The schema file next to an experiment file, as printed by `experiment schema`.
 const SCHEMA: &str = "experiment.schema.json";
-/// Ratio of the two mean speeds below which the smaller one counts as zero: straight, or turning on the spot.
-const ONE_WAY: f64 = 0.15;
-/// Time interval over which angles are compared \[s\].
-const PASSED: f64 = 0.25;
 
 /// Analyses recordings and writes a commented experiment file.
 ///
@@ -73,17 +72,27 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         let (words, kind) = match look(path, &guess) {
             Ok((recording, findings)) => {
                 take_units(&mut guess, &findings);
+                take_magnitudes(&mut guess, &findings, path);
                 let kind = Kind::of(&recording);
                 (seen(&recording, &findings, kind), Some(kind))
             }
             Err(reason) => {
-                unread.get_or_insert(format!("{}: {reason}", path.to_string_lossy()));
+                has_columns_of(&recordings[0], path, &guess)?;
+                let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+                let is_named = name.is_some_and(|name| reason.contains(&name));
+                let of =
+                    if is_named { String::new() } else { format!("{}: ", path.to_string_lossy()) };
+                unread.get_or_insert(format!("{of}{reason}"));
                 (vec![UNREAD.to_owned()], None)
             }
         };
         let name = path.to_string_lossy();
         said.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
         kinds.push(kind);
+    }
+    let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
+    if is_still {
+        guess.ask(super::remarks::NO_MOTION);
     }
     let is_asked = guess.is_open();
     let unread: Option<String> = unread.filter(|_| !is_asked);
@@ -99,7 +108,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
-    Ok(Draft { is_open: text.contains("\"?\"") || unread.is_some(), text, words: guess.words() })
+    let is_open = text.contains("\"?\"") || unread.is_some() || is_still;
+    Ok(Draft { is_open, text, words: guess.words() })
 }
 
 /// The recordings, with each test of a SysId file as a separate one.
@@ -152,7 +162,10 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
-    Ok((recording, if is_scaled { done.findings } else { vec![] }))
+    let mut findings = done.findings;
+    // the sign of an input does not depend on the scale of the motion
+    findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));
+    Ok((recording, findings))
 }
 
 /// Enters units determined by comparing speeds and angles into the file.
@@ -177,6 +190,36 @@ fn take_units(guess: &mut Guess, findings: &[Finding]) {
             guess.answer(&answered);
         }
     }
+}
+
+/// Asks for the sign of inputs that conditioning refuses as magnitudes.
+fn take_magnitudes(guess: &mut Guess, findings: &[Finding], path: &Path) {
+    let is_one = |key: &str| {
+        let of = |f: &Finding| {
+            matches!(f.kind, conditioning::Kind::Magnitude) && f.channel.name() == key
+        };
+        findings.iter().any(of)
+    };
+    let is_new = |c: &Guessed| is_one(c.key) && c.sign.is_none() && !c.sign_open;
+    let names: Vec<String> =
+        guess.columns.iter().filter(|c| is_new(c)).map(|c| format!("`{}`", c.name)).collect();
+    if names.is_empty() {
+        return;
+    }
+    let (verb, them) =
+        if names.len() == 1 { ("changes its", "it") } else { ("change their", "them") };
+    guess.ask(format!(
+        "{} never {verb} sign in {} although the wheels are driven both ways: a magnitude? Write the column with the \
+         direction as sign, or another input as M1 and M2 (the commanded voltage); or remove sign and write \
+         sign_from_speed = true under [conditioning], which gives {them} the sign of the speed (wrong while braking)",
+        names.join(" and "),
+        path.to_string_lossy()
+    ));
+    guess
+        .columns
+        .iter_mut()
+        .filter(|c| is_one(c.key) && c.sign.is_none())
+        .for_each(|c| c.sign_open = true);
 }
 
 /// Asks for the gear ratio between the shafts of speeds and angles, and opens the factor of the faster one.
@@ -212,67 +255,23 @@ fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
     out
 }
 
-/// A kind of movement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Straight,
-    Turning,
-    Mixed,
-}
-
-impl Kind {
-    /// Classified by the angles of the wheels over a quarter of a second, in which the steps of an encoder
-    /// are small: equal angles are straight driving, opposite ones turning on the spot.
-    fn of(r: &Recording) -> Self {
-        let rows = ((PASSED / r.step()).round() as usize).clamp(1, r.len() - 1);
-        let size = |sign: f64| -> f64 {
-            let passed = |k: usize, i: usize| r.alpha()[k + rows][i] - r.alpha()[k][i];
-            (0..r.len() - rows).map(|k| (passed(k, 0) + sign * passed(k, 1)).powi(2)).sum()
-        };
-        let (sum, difference) = (size(1.0).sqrt(), size(-1.0).sqrt());
-        if difference < ONE_WAY * sum {
-            Self::Straight
-        } else if sum < ONE_WAY * difference {
-            Self::Turning
-        } else {
-            Self::Mixed
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::Straight => "straight ahead",
-            Self::Turning => "turning on the spot",
-            Self::Mixed => "straight and turning",
-        }
-    }
-}
-
-/// The recordings kept for validation, with a remark if needed: of each kind of movement every third, counted
-/// from the last, so that no kind of movement is used for validation without training.
-fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
-    let mut validation = vec![false; kinds.len()];
-    let mut said = Vec::new();
-    let many = kinds.len() > 1;
-    for kind in [Some(Kind::Straight), Some(Kind::Turning), Some(Kind::Mixed), None] {
-        let of: Vec<usize> = (0..kinds.len()).filter(|&k| kinds[k] == kind).collect();
-        if of.len() >= 2 {
-            of.iter().rev().step_by(3).for_each(|&k| validation[k] = true);
-        } else if let ([_], Some(kind), true) = (&of[..], kind, many) {
-            let words = kind.words();
-            said.push(format!(
-                "only one recording is {words}: it is used for training, so this kind of movement is not \
-                 validated"
-            ));
-        }
-    }
-    if many && !validation.contains(&true) {
-        said.push(
-            "no kind of movement was recorded twice, so that no recording is left for validation"
-                .into(),
-        );
-    }
-    (validation, said)
+/// Checks that a recording has the columns that were found in the first one.
+///
+/// # Errors
+/// The first that is missing, with the names that are there.
+fn has_columns_of(first: &Path, path: &Path, guess: &Guess) -> Result<(), ExperimentError> {
+    let names: Vec<String> = preview(path)?.into_iter().map(|column| column.name).collect();
+    let Some(missing) = guess.columns.iter().find(|c| !names.contains(&c.name)) else {
+        return Ok(());
+    };
+    let (missing, first, names) = (&missing.name, first.to_string_lossy(), names.join(", "));
+    Err(ExperimentError::Meaning {
+        file: path.display().to_string(),
+        message: format!(
+            "there is no column `{missing}`, which {first} has; its columns are {names}. All recordings of an \
+             experiment have the same columns: write an experiment of its own for it, or rename its columns"
+        ),
+    })
 }
 
 /// Text for a comment, without line breaks.
@@ -283,17 +282,6 @@ fn in_a_line(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn validation_is_of_every_kind_that_was_recorded_twice_and_of_no_other() {
-        let (s, t) = (Some(Kind::Straight), Some(Kind::Turning));
-        assert_eq!(split(&[s, s, s, s, t, t]).0, [true, false, false, true, false, true]);
-        let (validation, said) = split(&[s, s, t]);
-        assert_eq!(validation, [false, true, false]);
-        assert!(said[0].contains("turning on the spot: it is used for training"), "{said:?}");
-        assert_eq!(split(&[s]), (vec![false], vec![]));
-        assert!(split(&[s, t]).1[2].contains("no recording is left"));
-    }
 
     /// The draft for a log with these rows, with wheels that turn in both directions.
     fn drafted(name: &str, header: &str, row: impl Fn(f64) -> String, rows: u32) -> Draft {
@@ -312,6 +300,49 @@ mod tests {
         assert!(few.text.contains("#   - what is to be changed?"), "{}", few.text);
         let many = drafted("many.csv", "t,w_r,w_l,tau_r,tau_l", row, 400);
         assert!(!many.is_open && !many.text.contains("what is to be changed?"), "{}", many.text);
+    }
+
+    #[test]
+    fn a_magnitude_is_asked_for_by_the_rule_that_refuses_it() {
+        // inertia alone: the input is large while the speed rises and while it falls
+        let row = |t: f64| {
+            let (speed, input) = (8.0 * (1.3 * t).sin(), (0.4 * (1.3 * t).cos()).abs());
+            format!("{t},{speed},{speed},{input},{input}")
+        };
+        let found = drafted("mag.csv", "t,w_r,w_l,i_r [A],i_l [A]", row, 2000);
+        assert!(
+            found.is_open
+                && found.words.contains("`i_r [A]` and `i_l [A]` never change their sign")
+        );
+        assert!(found.text.contains("M1 = { name = \"i_r [A]\", sign = \"?\" }"), "{}", found.text);
+    }
+
+    #[test]
+    fn wheels_at_rest_are_said_to_be_at_rest() {
+        let noise = |t: f64, by: f64| 0.02 * (1e4 * (t + by) * (t + 2.0 * by)).sin();
+        let row = |t: f64| {
+            format!("{t},{},{},{},{}", noise(t, 1.0), noise(t, 2.0), 0.5 + 0.1 * t.sin(), 0.5)
+        };
+        let found = drafted("still.csv", "t,w_r,w_l,i_r [A],i_l [A]", row, 2000);
+        assert!(found.is_open && found.words.contains("the wheels do not move"), "{}", found.words);
+        assert!(found.text.contains("at rest throughout"), "{}", found.text);
+        assert!(!found.words.contains("never changes its sign"), "{}", found.words);
+    }
+
+    #[test]
+    fn a_recording_with_other_columns_is_refused_with_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |t: f64| format!("{t},{},{},{},{}", t.sin(), t.sin(), t.cos(), t.cos());
+        let body: Vec<String> = (0..400).map(|k| row(0.01 * f64::from(k))).collect();
+        let paths = ["t,w_r,w_l,tau_r,tau_l", "time,a,b,c,d"].map(|header| {
+            let path = folder.path().join(format!("{}.csv", &header[..2].replace(',', "_")));
+            let text = format!("{header}\n{}\n", body.join("\n"));
+            write_whole(&path, text.as_bytes()).unwrap();
+            path
+        });
+        let error = draft(&paths, folder.path()).err().unwrap().to_string();
+        assert!(error.contains("there is no column `t`, which "), "{error}");
+        assert!(error.contains("its columns are time, a, b, c, d"), "{error}");
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub enum Remark {
     },
     /// The track of the robot is not known.
     NoTrack {
-        /// Ids of the effects that are computed with the track of another robot.
+        /// Ids of the effects that depend on it.
         effects: Vec<String>,
     },
     /// The wheels nearly always turn in opposite directions.
@@ -72,8 +72,8 @@ impl fmt::Display for Remark {
             ),
             Self::NoTrack { effects } => write!(
                 f,
-                "[robot] preset = \"unknown\": the path of the robot is left out, and effects that depend on its \
-                 heading ({}) are measured with the track of another robot; write l1_m and r_m, or a preset",
+                "[robot] preset = \"unknown\": the path of the robot is left out, and effects that depend on the distance \
+                 between its wheels ({}) are not tested; write l1_m and r_m, or a preset",
                 effects.join(", ")
             ),
             Self::Opposed { share } => write!(

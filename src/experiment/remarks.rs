@@ -1,8 +1,9 @@
-//! Keys of an experiment file that are valid but have unexpected consequences.
+//! Keys of an experiment file that are valid but have unexpected consequences, and recordings that show no motion.
 
 use toml::{Table, Value};
 
 use super::remark::{FixedMovement, Remark};
+use crate::recording::{Recording, shows_no_motion};
 
 /// Remarks on a file. `table` contains only the keys that are written in it, because defaults need no remark.
 pub(super) fn remarks(table: &Table) -> Vec<Remark> {
@@ -66,6 +67,17 @@ pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<f64> {
     }
     let share = f64::from(against as u32) / f64::from(count.max(1));
     (share > OPPOSED).then_some(share)
+}
+
+/// Recordings at rest.
+pub(super) const NO_MOTION: &str = "the wheels do not move in any training recording: their angles and speeds are \
+                                    constant, or noise that is not correlated with the input. Record a motion of \
+                                    both wheels; if they did move, check which columns are assigned to alpha1, \
+                                    alpha2, dalpha1 and dalpha2, and the sensors";
+
+/// Whether the sensors of both wheels show no motion in any recording.
+pub(super) fn without_motion<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
+    recordings.all(|r| (0..2).all(|i| shows_no_motion(r, i)))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use toml::Table;
 
-use super::assemble::{assembled, candidates_are_known};
+use super::assemble::{assembled, candidates_are_known, check_track};
 use super::custom::{self, Own, add};
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
@@ -119,6 +119,7 @@ fn plan(
     let methods = methods(&file.method, file.emulator.gain)?;
     let gain = gain(file)?;
     let diagnosis = diagnosis(file, &own)?;
+    check_track(&model, diagnosis.as_ref())?;
     let Source { recordings, hold, seed, truth } = read(&robot, &own)?;
     let options = PlanOptions {
         title: title(file),

@@ -324,14 +324,16 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 22] = [
-    ("s", &["sec", "secs", "second", "seconds"]),
+const SPELLINGS: [(&str, &[&str]); 24] = [
+    ("s", &["sec", "secs", "second", "seconds", "с"]),
+    ("ms", &["мс"]),
+    ("rad", &["рад"]),
     ("us", &["µs", "μs"]),
     ("min", &["minute", "minutes"]),
     ("h", &["hr", "hrs", "hour", "hours"]),
     ("d", &["day", "days"]),
     ("deg", &["degree", "degrees", "°"]),
-    ("rad/s", &["rad/sec", "rads/s"]),
+    ("rad/s", &["rad/sec", "rads/s", "рад/с"]),
     ("deg/s", &["°/s", "deg/sec", "dps"]),
     ("rev", &["turn", "turns", "revs", "rot"]),
     ("rev/s", &["turn/s", "turns/s", "rot/s", "rev/sec", "rps"]),
@@ -340,13 +342,13 @@ const SPELLINGS: [(&str, &[&str]); 22] = [
     ("ticks/s", &["ticks/sec", "counts/s", "counts/sec", "tps"]),
     ("m/s", &["m/sec"]),
     ("km/h", &["kmh", "kph"]),
-    ("N m", &["n-m"]),
+    ("N m", &["n-m", "нм", "н-м"]),
     ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
     ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),
     ("lb in", &["lb-in", "lbin", "lbfin", "lbf-in", "in-lb", "inlb"]),
     ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
-    ("A", &["amp", "amps", "ampere", "amperes"]),
-    ("V", &["volt", "volts"]),
+    ("A", &["amp", "amps", "ampere", "amperes", "а"]),
+    ("V", &["volt", "volts", "в"]),
 ];
 
 fn synonym(unit: &str) -> &str {

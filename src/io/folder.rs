@@ -102,7 +102,13 @@ pub(super) fn write_whole_by(
     let wrong = |e: std::io::Error| IoError::system(path, &e);
     let file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder);
     // the error of the crate names its own temporary file
-    let mut file = file.map_err(|e| wrong(e.kind().into()))?;
+    let mut file = file.map_err(|e| match e.kind() {
+        ErrorKind::NotFound => {
+            let reason = format!("the folder {} does not exist", folder.display());
+            IoError::System { file: path.display().to_string(), reason }
+        }
+        kind => wrong(kind.into()),
+    })?;
     write(file.as_file_mut()).map_err(wrong)?;
     #[cfg(unix)]
     {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::error::format_error;
+use super::error::{format_error, shown};
 use super::recording::{Source, headers};
 use super::{IoError, csv, parquet};
 
@@ -39,8 +39,10 @@ pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
     Ok(match headers.source {
         Source::Text(layout) => {
             let columns: Vec<_> = csv::all(path, &layout)?.into_iter().map(of_text).collect();
-            let has_rows = columns.iter().any(|c| !c.values.is_empty());
-            if has_rows && columns.iter().flat_map(|c| &c.values).all(|x| x.is_nan()) {
+            if columns.iter().all(|c| c.values.is_empty()) {
+                return Err(IoError::HeaderOnly { file: shown(path) });
+            }
+            if columns.iter().flat_map(|c| &c.values).all(|x| x.is_nan()) {
                 return Err(csv::not_understood(path));
             }
             columns

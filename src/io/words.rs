@@ -31,6 +31,21 @@ const RIGHT: &[&str] = &[
     "prawy",
     "prawe",
     "prawa",
+    "prawego",
+    "prawej",
+    "pravy",
+    "prave",
+    "prava",
+    "praveho",
+    "hoger",
+    "hogra",
+    "hojre",
+    "hoyre",
+    "oikea",
+    "oikean",
+    "dreapta",
+    "derechas",
+    "rw",
     "правый",
     "правое",
     "правая",
@@ -62,6 +77,20 @@ const LEFT: &[&str] = &[
     "lewy",
     "lewe",
     "lewa",
+    "lewego",
+    "lewej",
+    "levy",
+    "leve",
+    "leva",
+    "leveho",
+    "vanster",
+    "vanstra",
+    "venstre",
+    "vasen",
+    "vasemman",
+    "stanga",
+    "izquierdas",
+    "lw",
     "левый",
     "левое",
     "левая",
@@ -117,7 +146,7 @@ pub fn side(word: &str) -> Option<WheelSide> {
 pub fn words(name: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut before = ' ';
-    let letters: Vec<char> = name.chars().collect();
+    let letters: Vec<char> = name.chars().filter(|c| !is_accent(*c)).collect();
     let mut k = 0;
     while k < letters.len() {
         let c = letters[k];
@@ -160,18 +189,28 @@ fn is_ideograph(c: char) -> bool {
 /// A Latin letter without its accent.
 fn without_accent(c: char) -> char {
     match c {
-        'à' | 'á' | 'â' | 'ã' | 'ą' => 'a',
-        'ç' | 'ć' => 'c',
-        'è' | 'é' | 'ê' | 'ę' => 'e',
+        'à' | 'á' | 'â' | 'ã' | 'ä' | 'å' | 'ą' | 'ă' | 'æ' => 'a',
+        'ç' | 'ć' | 'č' => 'c',
+        'ď' | 'đ' => 'd',
+        'è' | 'é' | 'ê' | 'ë' | 'ę' | 'ě' => 'e',
         'ğ' => 'g',
-        'ì' | 'í' | 'ı' => 'i',
+        'ì' | 'í' | 'î' | 'ï' | 'ı' => 'i',
         'ł' => 'l',
-        'ñ' | 'ń' => 'n',
-        'ò' | 'ó' | 'ô' | 'õ' => 'o',
-        'ś' | 'ş' => 's',
-        'ù' | 'ú' => 'u',
+        'ñ' | 'ń' | 'ň' => 'n',
+        'ò' | 'ó' | 'ô' | 'õ' | 'ö' | 'ø' | 'ő' => 'o',
+        'ř' => 'r',
+        'ś' | 'ş' | 'š' | 'ș' => 's',
+        'ť' | 'ț' => 't',
+        'ù' | 'ú' | 'û' | 'ü' | 'ů' | 'ű' => 'u',
+        'ý' => 'y',
+        'ź' | 'ż' | 'ž' => 'z',
         _ => c,
     }
+}
+
+/// Whether a character is an accent of the letter before it, as file systems of macOS write them.
+fn is_accent(c: char) -> bool {
+    ('\u{300}'..='\u{36f}').contains(&c)
 }
 
 /// Whether two of the names differ only in their side: `rpm_l` and `rpm_r`, `encl` and `encr`.
@@ -202,6 +241,9 @@ mod tests {
             ("左目標速度", &["左", "目標", "速度"]),
             ("左轮PWM", &["左", "轮", "pwm"]),
             ("prędkość_lewy", &["predkosc", "lewy"]),
+            ("pre\u{328}dkos\u{301}c\u{301} lewego koła", &["predkosc", "lewego", "kola"]),
+            ("Otáčky pravého kola", &["otacky", "praveho", "kola"]),
+            ("ström vänster", &["strom", "vanster"]),
             ("ω right", &["ω", "right"]),
         ] {
             assert_eq!(words(name), expected, "{name}");

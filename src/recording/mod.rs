@@ -32,9 +32,11 @@ pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};
 pub(crate) use quality::{
     Lacking, RatioUnit, SHORT, SLOW, UnitError, View, Window, exchanged_input, exchanged_speeds,
-    is_full_turn, lacking, opposing_input, short_windows_of, steps_before, windows_of,
+    is_full_turn, lacking, opposing_input, short_windows_of, shows_no_motion, steps_before,
+    windows_of,
 };
 pub use recording::Recording;
 pub(crate) use refresh::REGULAR;
 pub use refresh::refreshed;
 pub use regime::Regime;
+pub(crate) use standstill::never_moves;

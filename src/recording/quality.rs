@@ -8,13 +8,14 @@ mod consistency;
 mod excitation;
 mod issue;
 mod motion;
+mod settling;
 mod timing;
 mod window;
 
 pub use issue::{Issue, Quantity, StatedIssue};
 pub(crate) use issue::{RatioUnit, SHORT, SLOW, UnitError, is_full_turn};
 
-pub(crate) use channel::steps_before;
+pub(crate) use channel::{shows_no_motion, steps_before};
 pub(crate) use consistency::{exchanged_input, exchanged_speeds, opposing_input};
 pub(crate) use excitation::{Lacking, lacking};
 pub(crate) use window::{View, Window, short_windows_of, windows_of};
@@ -97,6 +98,7 @@ impl Quality {
 pub fn quality(recording: &Recording, robot: &Robot) -> Quality {
     let (rate_hz, jitter, gaps) = timing::measure(recording);
     let mut findings = timing::findings(recording, jitter, gaps);
+    findings.extend(settling::finding(recording));
     findings.extend(channel::findings(recording));
     let windows = windows(recording);
     findings.extend(motion::findings(recording, &windows, robot));

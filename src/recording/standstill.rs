@@ -1,6 +1,7 @@
 //! Samples at rest, determined from the sensors.
 
 use super::Recording;
+use crate::math::Moments;
 
 /// Samples on both sides that are averaged.
 const HALF: usize = 5;
@@ -66,5 +67,74 @@ fn drop_short_runs(still: &mut [[bool; 2]], i: usize) {
             }
             start = k + 1;
         }
+    }
+}
+
+/// Correlation of neighbouring rows below which a sensor contains more noise than motion (judgement): that of a motion
+/// of several rows is near one, that of white noise zero.
+const NOISE: f64 = 0.5;
+/// Standard errors of a correlation that is significant.
+const SURE: f64 = 5.0;
+/// Fewest rows in which noise and motion differ: a correlation of white noise is then below 0.7 by five standard errors.
+const FEWEST: usize = 50;
+/// Rows by which a motion may follow its input.
+const LATER: usize = 2;
+
+/// Whether a sensor of a wheel shows no motion at all: a constant, or white noise that is not correlated with the `input`
+/// of the wheel, of its row or of the two before it.
+///
+/// ```text
+/// r_1 = sum (x_k - m) (x_(k-1) - m)/sum (x_k - m)^2 < 0.5,   |corr(x_k, M_(k-j))| < 5/sqrt(n),  j = 0, 1, 2
+/// ```
+/// In slow logs the speed under changing inputs is as white as noise, and is correlated with the input.
+#[must_use]
+pub(crate) fn never_moves(sensor: &[f64], input: &[f64]) -> bool {
+    let m = Moments::of(sensor.iter().copied()).mean;
+    let product: f64 = sensor.windows(2).map(|w| (w[0] - m) * (w[1] - m)).sum();
+    let square: f64 = sensor.iter().map(|x| (x - m).powi(2)).sum();
+    let limit = SURE / (sensor.len() as f64).sqrt();
+    let is_constant = sensor.windows(2).all(|w| w[0] == w[1]);
+    let is_white = sensor.len() >= FEWEST && product < NOISE * square;
+    is_constant
+        || is_white && (0..=LATER).all(|later| correlation(sensor, input, later).abs() < limit)
+}
+
+/// The correlation of values with those of the other signal some rows before; zero of a constant.
+fn correlation(values: &[f64], others: &[f64], later: usize) -> f64 {
+    let pairs = || values.iter().skip(later).zip(others);
+    let [m, n] =
+        [Moments::of(pairs().map(|(x, _)| *x)).mean, Moments::of(pairs().map(|(_, y)| *y)).mean];
+    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+    for (x, y) in pairs() {
+        (xx, yy, xy) = (xx + (x - m).powi(2), yy + (y - n).powi(2), xy + (x - m) * (y - n));
+    }
+    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::never_moves;
+
+    #[test]
+    fn noise_is_no_motion_and_that_of_a_coarsely_sampled_wheel_is() {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut noise = |count: usize| -> Vec<f64> {
+            (0..count).map(|_| random.random_range(-1.0..1.0)).collect()
+        };
+        let (input, sensor) = (noise(2000), noise(2000));
+        assert!(never_moves(&sensor, &input));
+        // a gyroscope behind steps of its converter
+        let coarse: Vec<f64> = sensor.iter().map(|x| (3.0 * x).round()).collect();
+        assert!(never_moves(&coarse, &input));
+        assert!(never_moves(&[1.1; 100], &input) && never_moves(&[1.1; 7], &input));
+        // a wheel that has reached its speed under a new voltage in every row
+        let fast: Vec<f64> = input.iter().zip(&sensor).map(|(u, e)| 8.0 * u + e).collect();
+        assert!(!never_moves(&fast, &input));
+        let slow: Vec<f64> =
+            (0..2000).map(|k| (0.05 * f64::from(k)).sin() + 0.2 * sensor[k as usize]).collect();
+        assert!(!never_moves(&slow, &input));
     }
 }

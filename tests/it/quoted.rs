@@ -112,6 +112,11 @@ fn the_guide_quotes_what_its_commands_print() {
     for fence in fences(start) {
         match fence.language.as_str() {
             "sh" => {
+                for line in fence.lines.iter().filter(|l| l.starts_with("sed ")) {
+                    let mut shell = std::process::Command::new("sh");
+                    let done = shell.args(["-c", line]).current_dir(folder.path("")).status();
+                    assert!(done.unwrap().success(), "{line}");
+                }
                 for command in fence.lines.iter().filter(|l| l.starts_with("experiment ")) {
                     let arguments = arguments(command);
                     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();

@@ -71,7 +71,7 @@ fn a_clock_of_tenths_of_a_second_is_spread_over_its_rows() {
         &["dalpha1"],
         &["600 samples", "100 Hz", "in steps of 0.1 s, each with 10.0 rows"],
     );
-    // a time that stands still is refused, and nothing panics
+    // a time that stands still is none: the period is asked for, and nothing panics
     let still: String = motion()
         .iter()
         .map(|[_, w1, w2, m1, m2]| format!("1.718e+09,{w1},{w2},{m1},{m2}\n"))
@@ -79,7 +79,7 @@ fn a_clock_of_tenths_of_a_second_is_spread_over_its_rows() {
     let folder = Folder::new();
     folder.write("run.csv", format!("{HEADER}\n{still}"));
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["wrote e.toml"]);
-    folder.run(&["check", "e.toml"]).says(2, &["run.csv", "t"]);
+    folder.run(&["check", "e.toml"]).says(2, &["e.toml", "t.period", "write the sampling period"]);
 }
 
 #[test]

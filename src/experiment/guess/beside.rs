@@ -18,6 +18,26 @@ pub(super) fn apply(all: &mut [Candidate]) -> Vec<String> {
     present_values(all).into_iter().collect()
 }
 
+/// Number of columns from which on the letter of a matrix is no quantity.
+const OF_A_MATRIX: usize = 3;
+
+/// Removes the quantity that the letter of a matrix with several columns would denote: `M(:,3)` is no torque.
+pub(super) fn matrices(all: &mut [Candidate]) {
+    let letter = |c: &Candidate| {
+        let (stem, index) = c.column.name.split_once("(:,")?;
+        let is_one = stem.chars().count() == 1 && index.ends_with(')');
+        is_one.then(|| stem.to_owned())
+    };
+    let letters: Vec<Option<String>> = all.iter().map(letter).collect();
+    for (c, own) in all.iter_mut().zip(&letters) {
+        let count = letters.iter().filter(|other| own.is_some() && *other == own).count();
+        if count >= OF_A_MATRIX {
+            c.named.quantity = None;
+            c.named.rest = own.iter().cloned().collect();
+        }
+    }
+}
+
 /// Words of a name that is the output of a controller, if it contains no other quantity.
 const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
 
@@ -84,6 +104,7 @@ fn is_of_wheel(c: &Candidate) -> bool {
     matches!(c.named.side, Some(Side::Right | Side::Left | Side::Numbered(_)))
 }
 
+/// `v` beside another input is a speed where no speeds are known; beside currents and torques, where no motion is.
 fn bare_speeds(all: &mut [Candidate]) {
     let is_bare = |c: &Candidate| {
         c.named.quantity == Some(Quantity::Voltage) && c.named.word == "v" && c.named.unit.is_none()
@@ -92,7 +113,11 @@ fn bare_speeds(all: &mut [Candidate]) {
         c.named.quantity == Some(Quantity::Voltage) && c.named.word != "v" && is_of_wheel(c)
     };
     let speeds = || all.iter().any(|c| c.named.quantity == Some(Quantity::Speed) && moves(c));
-    if all.iter().any(is_input) && !speeds() {
+    let is_measured = |c: &Candidate| {
+        matches!(c.named.quantity, Some(Quantity::Current | Quantity::Torque)) && is_of_wheel(c)
+    };
+    let is_only_motion = || all.iter().any(is_measured) && !all.iter().any(moves);
+    if all.iter().any(is_input) && !speeds() || is_only_motion() {
         for c in all.iter_mut().filter(|c| is_bare(c) && is_of_wheel(c)) {
             c.named.quantity = Some(Quantity::Speed);
         }

@@ -2,7 +2,7 @@
 
 use super::guessed::{Candidate, Guessed};
 use super::names::Quantity;
-use super::values::{increases, largest, whole};
+use super::values::{increases, is_constant, largest, whole};
 use crate::io::part_of_second;
 
 /// Share of a second that the fractional parts must exceed at least once; they never reach one.
@@ -46,7 +46,10 @@ fn named(all: &[Candidate]) -> Option<Guessed> {
     // a time as text that cannot be read is not used
     let holds = |c: &&Candidate| c.column.values.iter().any(|v| v.is_finite());
     let is_time = |c: &&Candidate| c.named.quantity == Some(Quantity::Time);
-    let mut named: Vec<&Candidate> = all.iter().filter(is_time).filter(holds).collect();
+    // a logger whose clock stands still
+    let changes = |c: &&Candidate| c.column.values.len() < 2 || !is_constant(&c.column.values);
+    let mut named: Vec<&Candidate> =
+        all.iter().filter(is_time).filter(holds).filter(changes).collect();
     named.sort_by_key(|c| (c.column.name != "t", c.named.rest.len()));
     let of_stamp = |c: &Candidate| {
         let mut parts = all.iter().filter(|n| n.named.quantity == Some(Quantity::Nanoseconds));

@@ -4,6 +4,7 @@ use super::guessed::{Guess, Guessed};
 use super::names::{Side, named};
 use super::values::{is_constant, is_never_negative, values_of};
 use crate::io::PreviewColumn;
+use crate::math::quantile;
 
 /// Words for a direction, and those that state the direction of a 1.
 const DIRECTIONS: [&str; 6] = ["dir", "direction", "sign", "sgn", "richtung", "dirn"];
@@ -29,6 +30,9 @@ const BACK: [&str; 13] = [
 ];
 /// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
+/// Share of the steps of an angle that are no wraps, and ratio to the largest of them above which a step is a wrap.
+const USUAL: f64 = 0.9;
+const WRAP: f64 = 3.0;
 
 /// A direction: its column, the wheel, and its values.
 struct Direction {
@@ -73,12 +77,12 @@ impl Directions {
             let values = of(&one.name);
             !is_constant(values) && is_never_negative(values)
         };
-        let speeds: Vec<(String, Vec<f64>)> = guess
-            .columns
-            .iter()
-            .filter(|c| c.key.starts_with("dalpha") && !is_magnitude(c))
-            .map(|c| (c.key.to_string(), of(&c.name).to_vec()))
-            .collect();
+        let speed = |c: &Guessed| match c.key {
+            "dalpha1" | "dalpha2" if !is_magnitude(c) => Some((c.key, of(&c.name).to_vec())),
+            "alpha1" | "alpha2" => Some((c.key, steps(of(&c.name)))),
+            _ => None,
+        };
+        let speeds: Vec<(&str, Vec<f64>)> = guess.columns.iter().filter_map(speed).collect();
         let mut asked = vec![];
         for one in &mut guess.columns {
             let is_signed = one.key.starts_with("dalpha") || one.key.starts_with('M');
@@ -167,6 +171,15 @@ impl Direction {
     }
 }
 
+/// The steps of an angle over two rows, without wraps of its counter.
+fn steps(angle: &[f64]) -> Vec<f64> {
+    let step = |k: usize| angle[(k + 1).min(angle.len() - 1)] - angle[k.saturating_sub(1)];
+    let all: Vec<f64> = (0..angle.len()).map(step).collect();
+    let finite = all.iter().copied().filter(|x| x.is_finite()).map(f64::abs);
+    let usual = quantile(finite, USUAL);
+    all.into_iter().map(|x| if x.abs() > WRAP * usual { 0.0 } else { x }).collect()
+}
+
 fn direction(column: &PreviewColumn) -> Option<Direction> {
     let name = named(&column.name);
     let says = |w: &String| [&DIRECTIONS[..], &FORWARDS, &BACKWARDS].concat().contains(&w.as_str());
@@ -220,6 +233,22 @@ mod tests {
         log.extend(["pwmL", "pwmR"].map(|name| column(name, |t| (200.0 * t.sin()).abs().round())));
         log.extend(dirs);
         guess(&log)
+    }
+
+    #[test]
+    fn counts_of_an_encoder_show_the_direction_too() {
+        let turned =
+            |t: f64| (9000.0 + 2000.0 * (1.0 - (t - 0.2).cos())).rem_euclid(10_000.0).floor();
+        let mut log = vec![column("t", |t| t)];
+        log.extend(["encA", "encB"].map(|name| column(name, turned)));
+        log.extend(["pwmA", "pwmB"].map(|name| column(name, |t| (200.0 * t.sin()).abs().round())));
+        log.extend(["dirA", "dirB"].map(|name| column(name, |t| f64::from(t.sin() < 0.0))));
+        let g = guess(&log);
+        assert_eq!(
+            (input(&g).sign.as_deref(), input(&g).backward.as_deref()),
+            (Some("dirA"), Some("1"))
+        );
+        assert!(!g.asked().contains("backward"), "{}", g.asked());
     }
 
     fn input(g: &Guess) -> &Guessed {

@@ -1,10 +1,12 @@
-//! Electrical speeds of controllers that log them as rpm.
+//! The firmware of VESC: electrical speeds as rpm, currents in amperes.
 
 use super::guessed::{Guess, Guessed};
 use crate::io::PreviewColumn;
+use crate::recording::DriveUnit;
 
-/// Names of the values that the firmware of VESC sends together with `rpm`, which is the electrical speed.
-const VESC: [&str; 10] = [
+/// Names of the values that the firmware of VESC sends together with `rpm`, which is the electrical speed, and of the
+/// columns of VESC Tool.
+const VESC: [&str; 14] = [
     "avg_motor_current",
     "avg_input_current",
     "duty_now",
@@ -15,26 +17,45 @@ const VESC: [&str; 10] = [
     "amp_hours_charged",
     "watt_hours_charged",
     "current_motor",
+    "motor_current_avg",
+    "current_in",
+    "ms_today",
+    "erpm",
 ];
-/// Number of these names by which the firmware is identified.
-const KNOWN_BY: usize = 2;
 
-/// The question on speeds in rpm of VESC, whose factor is then open.
-pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<String> {
+/// Two names of the firmware of VESC among the columns.
+fn known(columns: &[PreviewColumn]) -> Option<[&'static str; 2]> {
     let plain = |name: &str| {
         let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
         parts.collect::<Vec<_>>().join("_").to_lowercase()
     };
     let names: Vec<String> = columns.iter().map(|c| plain(&c.name)).collect();
-    let has = |value: &&&str| names.iter().any(|name| name.contains(**value));
-    let known: Vec<&&str> = VESC.iter().filter(has).collect();
+    let has = |value: &&str| names.iter().any(|name| name.contains(value));
+    let mut known = VESC.into_iter().filter(has);
+    Some([known.next()?, known.next()?])
+}
+
+/// Gives currents of VESC their unit: the firmware sends and VESC Tool writes amperes, whatever their size.
+pub(super) fn currents(columns: &[PreviewColumn], guess: &mut Guess) {
+    let Some([first, second]) = known(columns) else { return };
+    let is_open =
+        |c: &&mut Guessed| c.key.starts_with('M') && c.unit.is_none() && c.scale.is_none();
+    if guess.drive_unit == DriveUnit::Ampere {
+        for one in guess.columns.iter_mut().filter(is_open) {
+            one.unit = Some("A".into());
+            one.evidence
+                .push(format!("`{first}` and `{second}` are names of VESC, which logs amperes"));
+        }
+    }
+}
+
+/// The question on speeds in rpm of VESC, whose factor is then open.
+pub(super) fn mark(columns: &[PreviewColumn], guess: &mut Guess) -> Option<String> {
     let is_rpm = |c: &Guessed| {
         c.key.starts_with("dalpha") && c.unit.as_deref() == Some("rpm") && !c.is_electrical()
     };
     let first = guess.columns.iter().find(|c| is_rpm(c))?.name.clone();
-    if known.len() < KNOWN_BY {
-        return None;
-    }
+    let known = known(columns)?;
     for one in guess.columns.iter_mut().filter(|c| is_rpm(c)) {
         one.scale_open |= one.scale.is_none();
     }
@@ -69,6 +90,10 @@ mod tests {
             "{:?}",
             vesc.questions
         );
+        // a large motor: its currents are no milliamperes
+        let m1 = vesc.columns.iter().find(|c| c.key == "M1").unwrap();
+        assert_eq!(m1.unit.as_deref(), Some("A"));
+        assert!(m1.evidence[0].contains("VESC, which logs amperes"), "{m1:?}");
         let other = log(["rpm", "motor_current", "duty"]);
         assert!(other.columns.iter().all(|c| !c.scale_open), "{other:?}");
     }

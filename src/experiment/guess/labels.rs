@@ -17,6 +17,22 @@ pub(super) fn owners(columns: &[PreviewColumn]) -> Option<String> {
     ))
 }
 
+/// The question on names that several columns have, of which none can be used.
+pub(super) fn repeated(columns: &[PreviewColumn]) -> Option<String> {
+    let is_first = |k: &usize| columns[..*k].iter().all(|c| c.name != columns[*k].name);
+    let is_again = |k: &usize| columns[k + 1..].iter().any(|c| c.name == columns[*k].name);
+    let names: Vec<String> = (0..columns.len())
+        .filter(|k| is_first(k) && is_again(k))
+        .map(|k| format!("`{}`", columns[k].name))
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "several columns are called {}: is it one of these? Then rename them in the header",
+            names.join(", ")
+        )
+    })
+}
+
 /// A remark on the columns at the end of the header that no row has cells for; of LabVIEW that for comments has none.
 pub(super) fn without_cells(columns: &[PreviewColumn]) -> Option<String> {
     let is_empty = |c: &&PreviewColumn| {
@@ -63,6 +79,13 @@ mod tests {
             words,
             ..PreviewColumn::default()
         }
+    }
+
+    #[test]
+    fn a_name_that_stands_twice_is_said_where_a_wheel_is_missing() {
+        let twice = [column("t", &[]), column("w_l", &[]), column("w_l", &[]), column("i_l", &[])];
+        let asked = guess(&twice).asked();
+        assert!(asked.contains("several columns are called `w_l`: is it one"), "{asked}");
     }
 
     #[test]

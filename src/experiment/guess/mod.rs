@@ -17,6 +17,7 @@ mod names;
 mod numbers;
 mod open_inputs;
 mod pairs;
+mod ranges;
 mod relations;
 mod shafts;
 mod shares;
@@ -47,7 +48,10 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         period_open: false,
         period: None,
     };
+    beside::matrices(&mut all);
+    unknown_sides::by_pairs_of_words(&mut all);
     out.columns.extend(clock::time(&all));
+    out.ask_all(ranges::apply(&mut all, &out));
     out.ask_all(beside::apply(&mut all));
     let owners = labels::owners(columns);
     // a column without a number is none
@@ -101,6 +105,10 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     mirrored::apply(columns, &mut out);
     if !are_several {
         out.ask_all(relations::hints(columns, &out));
+    }
+    let found = |start: char| out.columns.iter().any(|c| c.key.starts_with(start));
+    if !found('M') || !found('a') && !found('d') {
+        out.ask_all(labels::repeated(columns));
     }
     out
 }

@@ -1,25 +1,38 @@
 //! Interpretation of a column name: quantity, wheel, unit.
 
+mod compounds;
 mod factor;
+mod foreign;
 mod said;
 mod unit;
 mod words;
 
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
+use self::foreign::is_foreign;
 pub(super) use self::said::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
-use self::words::{
-    BATTERY, OTHERS, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity,
+use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
+pub(super) use self::words::{
+    MEASURED, WISHED, is_distance, is_place, leaves_angle_open, leaves_speed_open,
 };
-pub(super) use self::words::{MEASURED, WISHED, is_place, leaves_angle_open, leaves_speed_open};
 use crate::io::{WheelSide, side, words};
 
 /// The interpretation of a name.
 pub(super) fn named(name: &str) -> Named {
+    named_with(name, &|word| word)
+}
+
+/// The same with some words of it exchanged for others.
+pub(in crate::experiment::guess) fn named_with(
+    name: &str,
+    exchanged: &dyn Fn(String) -> String,
+) -> Named {
     let (times, name) = multiplied(name);
     let (bare, bracket) = split_unit(name);
     let (front, bare) = unit_in_front(bare);
-    let mut words = words(bare);
+    let mut words: Vec<String> = words(bare).into_iter().map(exchanged).collect();
+    compounds::part(&mut words);
+    compounds::in_context(&mut words);
     // Simulink keeps the values of a signal in a field of it
     if words.len() > 1 && words.last().is_some_and(|w| w == "data") {
         words.pop();
@@ -47,7 +60,8 @@ pub(super) fn named(name: &str) -> Named {
     }
     let step = words.iter().any(|w| STEPS.contains(&w.as_str()))
         || words.windows(2).any(|w| w[0] == "delta" && matches!(w[1].as_str(), "t" | "time"));
-    let other = step || words.iter().any(|w| OTHERS.contains(&w.as_str()));
+    let foreign = is_foreign(&words);
+    let other = step || foreign;
     let battery = !name.contains('%') && is_battery(&words, ending.map(|(unit, _)| unit));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
@@ -73,7 +87,7 @@ pub(super) fn named(name: &str) -> Named {
         "volts" | "volt" => Some("V"),
         _ => None,
     });
-    Named { quantity, word, side, unit, scale, wished, battery, step, rest: words }
+    Named { quantity, word, side, unit, scale, wished, battery, step, foreign, rest: words }
 }
 
 /// The quantity that words and unit denote, with its word.
@@ -137,8 +151,9 @@ fn take_half(words: &mut Vec<String>, unit: Option<&str>) -> bool {
 /// Whether a name denotes the battery voltage: it contains volts, or only the battery. The values must then be those
 /// of a battery.
 fn is_battery(words: &[String], unit: Option<&str>) -> bool {
-    let is_volt =
-        |w: &String| matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat" | "vbatt");
+    let is_volt = |w: &String| {
+        matches!(w.as_str(), "voltage" | "volt" | "volts" | "vbat" | "vbatt" | "spannung")
+    };
     let is_one = |w: &String| BATTERY.contains(&w.as_str());
     words.iter().any(is_one)
         && match unit {
@@ -315,6 +330,20 @@ mod tests {
             ("Drehzahl der linken Seite", Some(Speed), Some(Left), None),
             ("左实际速度", Some(Speed), Some(Left), None),
             ("скорость_прав", Some(Speed), Some(Right), None),
+            ("ток правый [А]", Some(Current), Some(Right), Some("A")),
+            ("скорость левая [рад/с]", Some(Speed), Some(Left), Some("rad/s")),
+            ("wheel_rl_eff", Some(Torque), Some(Left), None),
+            ("prędkość kątowa lewego koła [rad/s]", Some(Speed), Some(Left), Some("rad/s")),
+            ("Motorstrom rechts", Some(Current), Some(Right), None),
+            ("Raddrehzahl links [U/min]", Some(Speed), Some(Left), Some("rpm")),
+            ("Batteriespannung", None, None, None),
+            ("otáčky levé", Some(Speed), Some(Left), None),
+            ("varvtal vänster", Some(Speed), Some(Left), None),
+            ("akım sağ", Some(Current), Some(Right), None),
+            ("lw_vel", Some(Speed), Some(Left), None),
+            ("range_left", None, Some(Left), None),
+            ("ir_right", None, Some(Right), None),
+            ("tof_left_mm", None, Some(Left), Some("mm")),
             ("dalpha2", Some(Speed), Some(Numbered(2)), None),
             ("Motor right turns_per_s", Some(Speed), Some(Right), Some("rev/s")),
             ("left rotations/s", Some(Speed), Some(Left), Some("rev/s")),

@@ -38,6 +38,7 @@ pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<Strin
         .iter()
         .filter(|c| !is_used(c) && !is_constant(&c.values))
         .map(|c| (c, named(&c.name)))
+        .filter(|(_, name)| !name.foreign)
         .collect();
     shared(&open).or_else(|| pair(&open))
 }

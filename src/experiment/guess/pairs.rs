@@ -75,8 +75,9 @@ impl<'a, 'b> Pairs<'a, 'b> {
     pub(super) fn bare(&self, keys: [&'static str; 2]) -> Option<[Guessed; 2]> {
         let says_no_more =
             |c: &Candidate| c.named.rest.iter().all(|w| MEASURED.contains(&w.as_str()));
-        let is_bare =
-            |c: &&Candidate| c.named.quantity.is_none() && !c.named.wished && says_no_more(c);
+        let is_bare = |c: &&Candidate| {
+            c.named.quantity.is_none() && !c.named.wished && !c.named.foreign && says_no_more(c)
+        };
         let fits: Vec<&Candidate> = self.all.iter().filter(is_bare).collect();
         best(&fits, keys)
             .filter(|(_, others)| others.is_empty())

@@ -55,7 +55,7 @@ fn is_signal(column: &PreviewColumn, time: &PreviewColumn) -> bool {
 }
 
 /// Whether the change of one column over windows correlates with the integral of another.
-fn is_slope(t: &[f64], angle: &[f64], speed: &[f64]) -> bool {
+pub(super) fn is_slope(t: &[f64], angle: &[f64], speed: &[f64]) -> bool {
     let length = (t.len() / WINDOWS).max(4);
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for from in (0..t.len().saturating_sub(length)).step_by(length) {

@@ -18,7 +18,11 @@ pub(super) fn apply(guess: &mut Guess) {
         let written = unknown_unit(&map, c.key, &c.name);
         written.map(Into::into).or_else(|| is_share(c).then(|| "%".to_owned()))
     };
+    let is_of_clock = |c: &Guessed| c.key == "t" && stated(c).is_some_and(|s| is_clock(&s));
     let is_unknown = |c: &Guessed| {
+        if is_of_clock(c) {
+            return false;
+        }
         c.unit.is_none() && c.per_turn.is_none() && c.nanoseconds.is_none() && stated(c).is_some()
     };
     let mut questions = vec![];
@@ -47,6 +51,19 @@ pub(super) fn apply(guess: &mut Guess) {
     guess.ask_all(questions);
 }
 
+/// Words in brackets behind a time that state which clock it is, and no unit.
+const CLOCKS: [&str; 19] = [
+    "abs", "absolute", "rel", "relative", "utc", "gmt", "local", "cet", "cest", "est", "edt",
+    "pst", "pdt", "unix", "epoch", "ros", "sim", "wall", "system",
+];
+
+/// Whether a text in brackets states the clock of a time: `UTC`, `UTC+2`.
+fn is_clock(stated: &str) -> bool {
+    let words = crate::io::words(stated);
+    let mut said = words.iter().filter(|w| w.chars().all(char::is_alphabetic)).peekable();
+    said.peek().is_some() && said.all(|w| CLOCKS.contains(&w.as_str()) || w == "time")
+}
+
 /// Reference values of a share.
 const RATED: &str = " (a share of the rated value: 0.01 of it for 1 %, 0.001 for 0.1 %)";
 
@@ -64,6 +81,15 @@ pub(super) fn si(key: &str, input: DriveUnit) -> &'static str {
 mod tests {
     use super::super::guess;
     use crate::io::PreviewColumn;
+
+    #[test]
+    fn the_name_of_a_clock_is_no_unit() {
+        for (stated, is_one) in
+            [("abs", true), ("UTC+2", true), ("wall time", true), ("jiffies", false)]
+        {
+            assert_eq!(super::is_clock(stated), is_one, "{stated}");
+        }
+    }
 
     #[test]
     fn the_factor_of_a_unit_that_is_not_known_is_asked() {

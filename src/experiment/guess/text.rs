@@ -52,6 +52,11 @@ impl Guessed {
 }
 
 impl Guess {
+    /// Whether an input was found.
+    fn has_input(&self) -> bool {
+        self.columns.iter().any(|c| c.key.starts_with('M'))
+    }
+
     /// Whether something of the columns must be filled in.
     pub(in crate::experiment) fn is_open(&self) -> bool {
         columns(self).contains("\"?\"")
@@ -73,7 +78,10 @@ impl Guess {
             let why = if why.is_empty() { why } else { format!("   ({why})") };
             let _ = writeln!(out, "  {:<8} = {}{unit}{why}", one.key, one.name);
         }
-        let _ = writeln!(out, "  input in {}", self.drive_unit.symbol());
+        let _ = match self.has_input() {
+            true => writeln!(out, "  input in {}", self.drive_unit.symbol()),
+            false => writeln!(out, "  input: not found"),
+        };
         if let Some(assumed) = self.assumed() {
             let _ = writeln!(out, "  {assumed}");
         }
@@ -177,7 +185,8 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
 /// Remark on the robot.
 const ROBOT: &str = "[robot]
 # The log does not contain the dimensions of the robot. The parameters a1 to a5 do not depend on them; the path,
-# the heading and speeds in m/s do. Give a preset, or the two lengths with \"unknown\"; otherwise these are omitted.
+# the heading (effect slope) and speeds in m/s do. Give a preset, or the two lengths with \"unknown\"; otherwise these
+# are omitted.
 preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
 # l1_m = 0.15                 # half the distance between the wheels [m]
 ";

@@ -1,13 +1,71 @@
-//! Sides in words that are not known: names of the motion and of the input that differ in the same word.
+//! Sides in words that are not known, or are sides only beside each other: names of the motion and of the input that
+//! differ in the same word.
 
 use super::guessed::Candidate;
-use super::names::{MEASURED, Quantity, Side, WISHED};
+use super::names::{MEASURED, Quantity, Side, WISHED, named_with};
+use crate::io::words;
 
 /// Words in which names of one wheel differ as well: places, axes, and how a value was treated.
 const OTHERS: [&str; 22] = [
     "front", "rear", "back", "mid", "middle", "x", "y", "z", "d", "q", "p", "i", "raw", "filtered",
     "filt", "avg", "mean", "max", "min", "old", "new", "est",
 ];
+
+/// Right and left in letters and words that have other meanings alone: Polish and Czech (prawy, lewy), French (droite,
+/// gauche), Spanish (derecha, izquierda), Portuguese (direita, esquerda), Italian (destra, sinistra), Swedish and Danish
+/// (höger, vänster), Finnish (oikea, vasen), Russian, and on board.
+const TOGETHER: [(&str, &str); 10] = [
+    ("p", "l"),
+    ("d", "g"),
+    ("d", "i"),
+    ("d", "e"),
+    ("d", "s"),
+    ("h", "v"),
+    ("o", "v"),
+    ("п", "л"),
+    ("stbd", "port"),
+    ("starboard", "port"),
+];
+
+/// Interprets such words as the sides where names of a motion and of an input differ in them alone, and no motion has a
+/// right side.
+pub(super) fn by_pairs_of_words(all: &mut [Candidate]) {
+    if all.iter().any(|c| c.named.side == Some(Side::Right) && is_of(c, true)) {
+        return;
+    }
+    for (right, left) in TOGETHER {
+        let as_sides = |word: String| match word {
+            word if word == right => "right".into(),
+            word if word == left => "left".into(),
+            word => word,
+        };
+        let names: Vec<Vec<String>> = all.iter().map(|c| words(&c.column.name)).collect();
+        let differ = |a: &[String], b: &[String]| {
+            let mut differ = a.iter().zip(b).filter(|(a, b)| a != b);
+            let one = differ
+                .next()
+                .is_some_and(|(a, b)| a == right && b == left || a == left && b == right);
+            a.len() == b.len() && one && differ.next().is_none()
+        };
+        let read: Vec<Candidate> = (0..all.len())
+            .filter(|k| names.iter().any(|other| differ(&names[*k], other)))
+            .map(|k| Candidate {
+                column: all[k].column,
+                named: named_with(&all[k].column.name, &as_sides),
+            })
+            .collect();
+        let has = |motion: bool| {
+            read.iter().any(|c| c.named.side == Some(Side::Right) && is_of(c, motion))
+        };
+        if has(true) && has(false) {
+            for one in read {
+                let place = all.iter_mut().find(|c| std::ptr::eq(c.column, one.column));
+                place.into_iter().for_each(|c| c.named = one.named.clone());
+            }
+            return;
+        }
+    }
+}
 
 /// Uses two words as those of the sides where names of a motion and of an input differ in them alone, and no
 /// name has a known side. Which word is the right side is asked, as for motors A and B.
@@ -71,6 +129,35 @@ mod tests {
     use crate::io::PreviewColumn;
 
     #[test]
+    fn letters_of_a_language_are_sides_beside_each_other() {
+        let of = |names: &[&str]| {
+            let column = |name: &&str| PreviewColumn {
+                name: (*name).into(),
+                values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
+                ..PreviewColumn::default()
+            };
+            guess(&names.iter().map(column).collect::<Vec<_>>())
+        };
+        for names in [
+            ["prędkość L [obr/min]", "prędkość P [obr/min]", "prąd L", "prąd P"],
+            ["w_L [rad/s]", "w_P [rad/s]", "i_L", "i_P"],
+            ["vitesse G (tr/min)", "vitesse D (tr/min)", "courant G (A)", "courant D (A)"],
+            ["vel_i [rpm]", "vel_d [rpm]", "corriente_i", "corriente_d"],
+            ["varvtal V [rpm]", "varvtal H [rpm]", "ström V", "ström H"],
+            ["port_rpm", "stbd_rpm", "port_torque_Nm", "stbd_torque_Nm"],
+        ] {
+            let g = of(&names);
+            let name = |key: &str| g.columns.iter().find(|c| c.key == key).map(|c| &*c.name);
+            let found = [name("dalpha1"), name("dalpha2"), name("M1"), name("M2")];
+            assert_eq!(found, [names[1], names[0], names[3], names[2]].map(Some), "{}", g.asked());
+            assert!(!g.one_axis && !g.asked().contains("is the right wheel"));
+        }
+        // the terms of a controller are no sides
+        let g = of(&["rpm", "amps", "pid_p", "pid_i", "pid_d"]);
+        assert!(g.columns.iter().all(|c| !c.name.starts_with("pid")), "{:?}", g.columns);
+    }
+
+    #[test]
     fn a_word_in_which_speeds_and_inputs_differ_is_that_of_the_side() {
         let of = |names: &[&str]| {
             let column = |name: &&str| PreviewColumn {
@@ -80,9 +167,9 @@ mod tests {
             };
             guess(&names.iter().map(column).collect::<Vec<_>>())
         };
-        let g = of(&["rpm_vasen", "rpm_oikea", "amps_vasen", "amps_oikea"]);
-        assert_eq!(g.columns[0].name, "rpm_oikea");
-        assert!(g.asked().contains("is the right wheel that of `rpm_oikea`"));
+        let g = of(&["rpm_vasak", "rpm_parem", "amps_vasak", "amps_parem"]);
+        assert_eq!(g.columns[0].name, "rpm_parem");
+        assert!(g.asked().contains("is the right wheel that of `rpm_parem`"));
         assert!(!g.one_axis);
         let g = of(&["rpm_raw", "rpm_filt", "amps_raw", "amps_filt"]);
         assert!(!g.columns.iter().any(|c| c.key == "dalpha1"), "{:?}", g.columns);

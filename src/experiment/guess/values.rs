@@ -105,6 +105,9 @@ pub(super) fn is_magnitude(
 /// Adds the units determined from the values of the detected columns, with the evidence.
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
+    electrical::currents(columns, guess);
+    let inputs = guess.columns.iter().filter(|c| c.key.starts_with('M'));
+    let top = inputs.map(|c| largest(of(&c.name))).fold(0.0, f64::max);
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {
@@ -113,7 +116,7 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
         match one.key {
             "t" => time(values, one),
             "alpha1" | "alpha2" => angle(values, one),
-            "M1" | "M2" if guess.drive_unit == DriveUnit::Ampere => current(values, one),
+            "M1" | "M2" if guess.drive_unit == DriveUnit::Ampere => current(top, one),
             _ => {}
         }
     }
@@ -242,6 +245,10 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     } else {
         (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
     };
+    // rows in disorder have no rate
+    if last <= first && !one.scale.is_some_and(|scale| scale < 0.0) {
+        return;
+    }
     let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let rate = |factor: f64| 1.0 / (step * factor);
     let sound = |factor: f64| {
@@ -379,10 +386,12 @@ fn whole_inputs(columns: &[PreviewColumn], guess: &mut Guess) {
     inputs.for_each(|c| c.unit_open = true);
 }
 
-fn current(values: &[f64], one: &mut Guessed) {
-    let top = largest(values);
+/// The unit of a current, where its name states none: of both wheels the same, by the largest value.
+fn current(top: f64, one: &mut Guessed) {
     if one.unit.is_none() && top > AMPERES {
         one.unit = Some("mA".into());
-        one.evidence.push(format!("up to {top:.0}: milliamperes"));
+        one.evidence.push(format!(
+            "the inputs reach {top:.0}, which would be more than {AMPERES:.0} A: milliamperes"
+        ));
     }
 }

@@ -9,8 +9,17 @@ pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-
 pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
     number(cell, style).or_else(|| {
         let bare = cell.trim().trim_matches('"').trim().to_lowercase();
-        if ABSENT.contains(&bare.as_str()) { Some(f64::NAN) } else { date_time(&bare) }
+        if ABSENT.contains(&bare.as_str()) {
+            return Some(f64::NAN);
+        }
+        hexadecimal(&bare).or_else(|| date_time(&bare))
     })
+}
+
+/// The counts of a cell as registers show them: `0x1a3f`.
+fn hexadecimal(bare: &str) -> Option<f64> {
+    let digits = bare.strip_prefix("0x").filter(|digits| digits.len() <= 8)?;
+    u32::from_str_radix(digits, 16).ok().map(f64::from)
 }
 
 /// A cell as a number that is written in that style.
@@ -71,6 +80,16 @@ fn date_time(text: &str) -> Option<f64> {
         .split_once(['t', ' '])
         .or_else(|| text.rsplit_once('/').filter(|(date, _)| date.contains('/')));
     match parted {
+        // `20260303T120000.250`
+        Some((date, time)) if date.len() == 8 && date.bytes().all(|b| b.is_ascii_digit()) => {
+            let parts = [date.get(..4)?, date.get(4..6)?, date.get(6..)?];
+            let clock_of = |time: &str| {
+                let parts = [time.get(..2)?, time.get(2..4)?, time.get(4..)?];
+                clock(&parts.join(":"), half)
+            };
+            let time = if time.contains(':') { clock(time, half)? } else { clock_of(time)? };
+            Some(DAY * days_of(&parts.join("-"), false)? + time)
+        }
         Some((date, time)) => Some(DAY * days_of(date, half.is_some())? + clock(time, half)?),
         None => clock(text, half),
     }
@@ -190,6 +209,8 @@ mod tests {
         let expected = 1_772_539_200.25;
         for text in [
             "2026-03-03T12:00:00.250Z",
+            "20260303T120000.250",
+            "20260303T12:00:00.250",
             "2026-03-03 12:00:00.25",
             "03.03.2026 12:00:00,250",
             "2026-03-03T12:00:00.25+01:00",
@@ -203,7 +224,16 @@ mod tests {
             value("", Style::Point).unwrap().is_nan()
                 && value("null", Style::Point).unwrap().is_nan()
         );
-        for text in ["broken", "2026-13-03 00:00", "1:x", "1:03:00 XM", "12:00:x"] {
+        assert_eq!(value("0x1A3F", Style::Point), Some(6719.0));
+        for text in [
+            "broken",
+            "0xg1",
+            "20261303T000000",
+            "2026-13-03 00:00",
+            "1:x",
+            "1:03:00 XM",
+            "12:00:x",
+        ] {
             assert_eq!(value(text, Style::Either), None, "{text}");
         }
     }

@@ -28,6 +28,9 @@ pub(super) fn names(
     };
     let named_cells = |line: &str, separator: char| {
         let mut cells = cells(line, separator);
+        if separator == ' ' && cells.len() > count {
+            cells = with_their_units(&cells);
+        }
         // nor does the column of LabVIEW for comments, of which rows have none
         let is_none = |c: &String| c.is_empty() || c == "Comment";
         while cells.len() > count && cells.last().is_some_and(is_none) {
@@ -51,6 +54,18 @@ pub(super) fn names(
         .or_else(|| rows.named(&named_cells, &no_number, false))
         .or_else(|| longer(lines, first, separator, count))
         .unwrap_or_else(|| (None, (0..count).map(made_up).collect()))
+}
+
+/// Names in words with the units in brackets behind them: `t [s] speed [rad/s]` are two.
+fn with_their_units(words: &[String]) -> Vec<String> {
+    let mut out: Vec<String> = vec![];
+    for word in words {
+        match out.last_mut() {
+            Some(last) if word.starts_with(['[', '(']) => *last = format!("{last} {word}"),
+            _ => out.push(word.clone()),
+        }
+    }
+    out
 }
 
 /// The lines above a table of `count` columns.
@@ -258,6 +273,8 @@ mod tests {
         assert_eq!((found[0].as_str(), found[4].as_str()), ("t [s]", "left current [A]"));
         let comments = ["# log 7", "# column 1: time [s]", "# column 2: speed", "0 1"];
         assert_eq!(names(&comments, 3, ' ', 2).1, ["time [s]", "speed"]);
+        let spaced = ["# t [s]   omega_R [rad/s]  I_R [A]", "0 1 2"];
+        assert_eq!(names(&spaced, 1, ' ', 3).1, ["t [s]", "omega_R [rad/s]", "I_R [A]"]);
         assert_eq!(names(&["# 0) t", "# 1) w", "0 1"], 2, ' ', 2).1, ["t", "w"]);
         assert_eq!(names(&["# 3 of 2", "# 5 of 2", "0 1"], 2, ' ', 2).1, ["column1", "column2"]);
     }

@@ -1,6 +1,7 @@
 //! Checks of every channel separately: constant values, limits, spikes, jumps, coarse steps.
 
 use super::super::Recording;
+use super::super::never_moves;
 use super::super::noise::quantum;
 use super::{Finding, Issue, Quantity, Severity, quantile};
 
@@ -47,7 +48,15 @@ fn still(r: &Recording, i: usize) -> Option<Finding> {
     let top = quantile(r.omega().iter().flatten().copied(), 0.99);
     // an encoder at rest may alternate between two counts
     let is_still = high.max(-low) <= 1e-3 * top || (low, high) == (0.0, 0.0);
-    is_still.then(|| Finding::new(Severity::Warning, Issue::Still(i)))
+    (is_still || shows_no_motion(r, i)).then(|| Finding::new(Severity::Warning, Issue::Still(i)))
+}
+
+/// Whether all sensors of wheel `i` show noise alone, or nothing.
+pub(crate) fn shows_no_motion(r: &Recording, i: usize) -> bool {
+    let of = |values: &[[f64; 2]]| values.iter().map(|v| v[i]).collect::<Vec<f64>>();
+    let (input, measured) = (of(r.torque()), r.measured());
+    let is_still = |values: &[[f64; 2]]| never_moves(&of(values), &input);
+    (!measured.alpha || is_still(r.alpha())) && (!measured.omega || is_still(r.omega()))
 }
 
 fn constant_input(r: &Recording, i: usize) -> Option<Finding> {

@@ -61,6 +61,13 @@ pub enum Issue<C = usize, R = f64> {
     Short(R),
     /// Sampling rate \[Hz\].
     Slow(R),
+    /// Rows that last longer than the speeds take to settle under a new input.
+    Settles {
+        /// Median step \[s\].
+        step_s: R,
+        /// Time constant of the faster wheel \[s\].
+        constant_s: R,
+    },
     /// Standard deviation of the time step over its median \[1\].
     Uneven(R),
     /// Gaps in time, with the number of pieces that are too short for an error.

@@ -20,6 +20,11 @@ impl StatedIssue {
             }
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
             Self::Slow(rate) => format!("{rate:.3} rows a second"),
+            Self::Settles { step_s, constant_s } => format!(
+                "rows of {:.0} ms are longer than the time constant of the wheels ({:.0} ms)",
+                step_s.map(|s| 1e3 * s),
+                constant_s.map(|s| 1e3 * s)
+            ),
             Self::Uneven(jitter) => {
                 format!("the step in time varies by {:.0} %", percent(jitter))
             }
@@ -108,6 +113,10 @@ impl StatedIssue {
                     "what input and motion do between two rows is not in the log, so inertias are uncertain beyond \
                      their intervals: record at {SLOW:.0} Hz or more; or check the unit of t"
                 );
+            }
+            Self::Settles { .. } => {
+                "methods that use derivatives (torque_regression, weak_form, total_least_squares) have errors beyond \
+                 their intervals: use prediction_error, and log faster"
             }
             Self::Gaps(_, short) => {
                 return format!(

@@ -37,6 +37,8 @@ pub(in crate::experiment::guess) struct Named {
     pub(in crate::experiment::guess) battery: bool,
     /// Whether it is the step between two rows.
     pub(in crate::experiment::guess) step: bool,
+    /// Whether it is of another part of the robot, or of a sensor of distances.
+    pub(in crate::experiment::guess) foreign: bool,
     /// The remaining words.
     pub(in crate::experiment::guess) rest: Vec<String>,
 }

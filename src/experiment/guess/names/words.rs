@@ -3,7 +3,7 @@
 use super::said::Quantity;
 
 /// Words of a speed that leave its unit open; `omega` and the like are angular speeds in SI.
-const OPEN_SPEEDS: [&str; 17] = [
+const OPEN_SPEEDS: [&str; 26] = [
     "speed",
     "spd",
     "vel",
@@ -19,13 +19,39 @@ const OPEN_SPEEDS: [&str; 17] = [
     "predkosc",
     "snelheid",
     "hiz",
+    "hastighet",
+    "hastighed",
+    "nopeus",
+    "rychlost",
+    "viteza",
+    "obroty",
+    "otacky",
+    "varvtal",
+    "toerental",
     "скорость",
     "速度",
 ];
 /// Words of a number of turns in a time.
-pub(super) const TURNS: [&str; 4] = ["drehzahl", "rpm", "转速", "回転数"];
+pub(super) const TURNS: [&str; 8] =
+    ["drehzahl", "obroty", "otacky", "varvtal", "toerental", "rpm", "转速", "回転数"];
 /// Words of a distance, in any unit.
-const PLACES: [&str; 6] = ["pos", "position", "positions", "distance", "dist", "travel"];
+const PLACES: [&str; 15] = [
+    "pos",
+    "position",
+    "positions",
+    "distance",
+    "dist",
+    "travel",
+    "pozycja",
+    "polozenie",
+    "poloha",
+    "posicion",
+    "posizione",
+    "posicao",
+    "positie",
+    "lage",
+    "asento",
+];
 /// Words of a sensor of angles that leave its unit open.
 const SENSORS: [&str; 2] = ["enc", "encoder"];
 
@@ -51,6 +77,18 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "millis",
             "micros",
             "zeit",
+            "uhrzeit",
+            "zeitstempel",
+            "datum",
+            "fecha",
+            "hora",
+            "heure",
+            "orario",
+            "cas",
+            "tid",
+            "aika",
+            "timp",
+            "godzina",
             // of a day: the milliseconds of VESC Tool
             "today",
             "temps",
@@ -84,6 +122,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
                 "thetadot",
                 "phidot",
                 "rate",
+                "winkelgeschwindigkeit",
                 "ω",
                 "转速",
                 "回転数",
@@ -120,6 +159,9 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
                 "angolo",
                 "angulo",
                 "hoek",
+                "kat",
+                "uhel",
+                "vinkel",
                 "угол",
                 "角度",
             ],
@@ -136,6 +178,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "tau",
             "effort",
             "efforts",
+            "eff",
             "trq",
             "tq",
             "drehmoment",
@@ -143,6 +186,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "couple",
             "coppia",
             "koppel",
+            "tork",
             "момент",
             "扭矩",
             "转矩",
@@ -167,6 +211,11 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "corriente",
             "prad",
             "stroom",
+            "proud",
+            "akim",
+            "virta",
+            "intensidad",
+            "intensite",
             "ток",
             "电流",
             "電流",
@@ -192,6 +241,11 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "voltaje",
             "napiecie",
             "spanning",
+            "spanding",
+            "napeti",
+            "gerilim",
+            "jannite",
+            "wypelnienie",
             "напряжение",
             "电压",
             "電圧",
@@ -247,42 +301,21 @@ const CONTAINERS: [&str; 8] =
 
 /// Words of the system whose ticks are those of a clock.
 pub(super) const SYSTEM: [&str; 7] = ["hal", "sys", "system", "os", "rtos", "kernel", "mcu"];
-/// Words of quantities that are not those of a wheel.
-pub(super) const OTHERS: [&str; 25] = [
-    "gyro",
-    "imu",
-    "heading",
-    "yaw",
-    "pitch",
-    "roll",
-    "battery",
-    "bat",
-    "vbat",
-    "bus",
-    "supply",
-    "vin",
-    "temp",
-    "temperature",
-    "accel",
-    "acc",
-    "gps",
-    "tilt",
-    "arm",
-    "error",
-    "fault",
-    "watt",
-    "watts",
-    "steer",
-    "steering",
-];
-
 /// Words of a way in units of length.
 pub(super) const LENGTHS: [&str; 7] =
     ["pos", "position", "distance", "dist", "travel", "travelled", "odometer"];
 
+/// Words of a distance, driven or to an obstacle.
+const DISTANCES: [&str; 2] = ["distance", "dist"];
+
+/// Whether a word denotes a distance, driven or to an obstacle.
+pub(in crate::experiment::guess) fn is_distance(word: &str) -> bool {
+    DISTANCES.contains(&word)
+}
+
 /// Words of the voltage that all motors share.
-pub(super) const BATTERY: [&str; 8] =
-    ["battery", "bat", "batt", "vbat", "vbatt", "bus", "supply", "vin"];
+pub(super) const BATTERY: [&str; 10] =
+    ["battery", "bat", "batt", "vbat", "vbatt", "bus", "supply", "vin", "batterie", "akku"];
 
 /// The quantity and the word that denotes it.
 pub(super) fn take_quantity(words: &mut Vec<String>) -> Option<(Quantity, String)> {

@@ -17,6 +17,9 @@ impl<C: Copy, R: Copy> Issue<C, R> {
             },
             Self::Short(length) => Issue::Short(real(length)),
             Self::Slow(rate) => Issue::Slow(real(rate)),
+            Self::Settles { step_s, constant_s } => {
+                Issue::Settles { step_s: real(step_s), constant_s: real(constant_s) }
+            }
             Self::Uneven(jitter) => Issue::Uneven(real(jitter)),
             Self::Gaps(gaps, short) => Issue::Gaps(
                 Gaps { count: whole(gaps.count), longest: real(gaps.longest) },

@@ -1,0 +1,50 @@
+//! Words that are put together, and words that another one gives its meaning.
+
+use super::words::is_quantity;
+
+/// Endings of words that are put together.
+const COMPOUNDS: [&str; 13] = [
+    "drehzahl",
+    "winkelgeschwindigkeit",
+    "geschwindigkeit",
+    "drehmoment",
+    "strom",
+    "spannung",
+    "moment",
+    "stroom",
+    "snelheid",
+    "toerental",
+    "spanning",
+    "hastighet",
+    "varvtal",
+];
+
+/// Parts the words of languages that put them together: `motorstrom` has motor and strom. The `rad` of `raddrehzahl` is a
+/// wheel.
+pub(super) fn part(words: &mut Vec<String>) {
+    let ending = |word: &String| {
+        let is_whole = is_quantity(word);
+        COMPOUNDS
+            .iter()
+            .find(|end| !is_whole && word.len() > end.len() + 1 && word.ends_with(**end))
+    };
+    while let Some((k, end)) = (0..words.len()).find_map(|k| Some((k, ending(&words[k])?))) {
+        let whole = std::mem::replace(&mut words[k], (*end).to_owned());
+        let front = &whole[..whole.len() - end.len()];
+        words.insert(k, if front == "rad" { "wheel".into() } else { front.to_owned() });
+    }
+}
+
+/// Gives words their meaning beside others: the force of a joint that turns is its torque (Gazebo), and a wheel sensor
+/// measures its angle (Webots).
+pub(super) fn in_context(words: &mut [String]) {
+    let has = |word: &str| words.iter().any(|w| w == word);
+    let change = |words: &mut [String], from: &str, to: &str| {
+        words.iter_mut().filter(|w| *w == from).for_each(|w| *w = to.into());
+    };
+    if has("joint") && has("force") {
+        change(words, "force", "effort");
+    } else if has("wheel") && has("sensor") && !words.iter().any(|w| is_quantity(w)) {
+        change(words, "sensor", "encoder");
+    }
+}
