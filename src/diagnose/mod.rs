@@ -49,7 +49,10 @@ pub use shapes::shapes_placed;
 pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{Timing, timing};
-pub use verdict::{Conclusion, Errors, conclude, likely, probabilities, structure, withheld};
+pub use verdict::{
+    Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
+    withheld,
+};
 pub use windows::{Windows, mobility};
 
 #[cfg(test)]

@@ -19,7 +19,9 @@ impl StatedIssue {
                 format!("{rows} rows are more than are held in memory (hold_rows)")
             }
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
-            Self::Slow(rate) => format!("{rate:.3} rows a second"),
+            Self::Slow(rate) => {
+                format!("{} rows a second", rate.map(|rate| round_significant(rate, 3)))
+            }
             Self::Uneven(jitter) => {
                 format!("the step in time varies by {:.0} %", percent(jitter))
             }
