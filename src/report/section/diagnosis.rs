@@ -144,6 +144,9 @@ fn left(diagnosis: &DiagnosisStudy) -> Option<String> {
         return Some("There is no error above the noise floor to explain.".to_owned());
     }
     let share = Some(errors.unexplained()).filter(|share| share.is_finite())?;
+    if share == 0.0 {
+        return Some("No error above the noise floor remains.".to_owned());
+    }
     let share = match format::percent(share) {
         small if small.starts_with('<') => small.replacen('<', "Less than", 1),
         share => share,

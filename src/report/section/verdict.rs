@@ -95,8 +95,8 @@ fn numbers(study: &Study) -> Option<Block> {
     let share = format::percent(error / study.top_speed());
     let (holds, meaning) = match error < study::FAR_BELOW_FLOOR * floor {
         true => (
-            "an upper bound, with the input between its rows",
-            "its error is below the bound from noise and sampling",
+            "an upper bound from noise and sampling",
+            "its error is below that bound",
         ),
         false => ("the error expected from noise alone", means(grade)),
     };
