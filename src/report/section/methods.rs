@@ -15,7 +15,7 @@ pub struct Methods;
 
 /// A method with an error within this factor of the lowest is mentioned with it.
 const AS_GOOD: f64 = 1.01;
-/// A method with an error above the lowest by more than this factor is said to be worse (judgement: as far as a model may be
+/// A method with an error above the lowest by more than this factor is reported as worse (judgement: as far as a model may be
 /// from the noise floor).
 const FAR: f64 = THRESHOLDS.above_floor;
 

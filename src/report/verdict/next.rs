@@ -57,10 +57,9 @@ fn words(advice: &Advice) -> String {
         }
         Advice::Equivalent { effect, others } => format!(
             "No recording of wheel speeds and torques distinguishes {} from {}: their equations are \
-             the same. {}",
+             the same. A measurement of another kind is needed, for example of the input with the motors switched off.",
             title(effect),
-            others.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or "),
-            other_measurement(effect)
+            others.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
         ),
         Advice::TrainOn { recordings } => format!(
             "Record more of the movement of {} for training: the present training recordings determine too little what it \
@@ -82,18 +81,5 @@ fn words(advice: &Advice) -> String {
                 title(other)
             )
         }
-    }
-}
-
-/// A measurement that distinguishes an effect from those with the same equations.
-fn other_measurement(effect: &str) -> &'static str {
-    match effect {
-        "torque_offset" | "coulomb_asymmetry" => {
-            "Read the input with the motors switched off: an offset of its sensor stays."
-        }
-        "viscous_friction" | "back_emf" => {
-            "Turn the wheels from outside with the motors disconnected: viscous friction stays."
-        }
-        _ => "A measurement of another kind is needed.",
     }
 }
