@@ -39,7 +39,7 @@ impl Physics for InputTiming {
     fn parameters(&self) -> Vec<ParameterSpec> {
         vec![ParameterSpec::shape(
             SYMBOL,
-            "shift of the input that logging explains",
+            "time by which logging shifts the input",
             "s",
             (-1.0, 1.0),
             1e-3,

@@ -50,7 +50,8 @@ pub use speed_filter::{SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
 pub use verdict::{
-    Conclusion, Errors, conclude, likely, probabilities, structure, structured, withheld,
+    Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
+    structured, withheld,
 };
 pub use windows::{Windows, mobility};
 

@@ -51,11 +51,8 @@ impl Errors {
     }
 
     fn left(&self, after: f64) -> f64 {
-        let explainable = self.before - self.floor;
-        if explainable <= THRESHOLDS.nothing_left * self.floor {
-            return 0.0;
-        }
-        ((after - self.floor) / explainable).clamp(0.0, 1.0)
+        explainable(self.before, self.floor)
+            .map_or(0.0, |whole| ((after - self.floor) / whole).clamp(0.0, 1.0))
     }
 
     /// Error of the last model over the noise floor.
@@ -124,6 +121,15 @@ impl Errors {
     pub fn above_input(&self) -> bool {
         !((self.after / self.most).sqrt() <= THRESHOLDS.at_floor)
     }
+}
+
+/// Squared error above the square of the noise floor; `None` where the error is within 2 % of the floor: there is nothing to
+/// explain.
+#[must_use]
+pub fn explainable(square: f64, floor: f64) -> Option<f64> {
+    let above = square - floor;
+    // NaN is kept
+    (!(above <= THRESHOLDS.nothing_left * floor)).then_some(above)
 }
 
 /// The strongest significant dependence that counts as structure; the error decides whether it matters. Noise of the
@@ -195,22 +201,27 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
     }
 }
 
+/// Whether simulation is no better with a candidate: over the windows that were fitted, by their criterion, or by the reported
+/// error, which it `raises`.
+#[must_use]
+pub fn is_refuted(candidate: &Ranked, raises: bool) -> bool {
+    raises || !(candidate.bic_windows < 0.0)
+}
+
 /// Posterior probabilities of the candidates of one step from their criteria, "none of them" included; one
 /// per candidate, in order.
 ///
 /// ```text
 /// P_j = exp(-BIC_j/2) / (1 + Σ exp(-BIC_k/2))
 /// ```
-/// `raises`: whether the candidate raises the simulation error that is reported. A candidate that simulation refutes is not
-/// more probable than none, whatever the torque balance indicates.
+/// `refuted`: those that simulation [refutes](is_refuted). They are not more probable than none, whatever the torque balance
+/// indicates.
 ///
 /// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]
-pub fn probabilities(ranking: &[Ranked], raises: &[bool]) -> Vec<f64> {
-    let bic = |(r, raises): (&Ranked, &bool)| {
-        if r.bic_windows < 0.0 && !raises { r.bic } else { r.bic.max(0.0) }
-    };
-    let ranks: Vec<f64> = ranking.iter().zip(raises).map(|pair| -0.5 * bic(pair)).collect();
+pub fn probabilities(ranking: &[Ranked], refuted: &[bool]) -> Vec<f64> {
+    let bic = |(r, refuted): (&Ranked, &bool)| if *refuted { r.bic.max(0.0) } else { r.bic };
+    let ranks: Vec<f64> = ranking.iter().zip(refuted).map(|pair| -0.5 * bic(pair)).collect();
     let largest = ranks.iter().copied().fold(0.0, f64::max);
     let weights: Vec<f64> = ranks.iter().map(|r| (r - largest).exp()).collect();
     let sum = weights.iter().sum::<f64>() + (-largest).exp();

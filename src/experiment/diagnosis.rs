@@ -2,20 +2,25 @@
 
 use std::sync::Arc;
 
-use super::comparison::Comparison;
+use super::comparison::{Comparison, compare};
 use super::custom::Own;
 use super::error::RunError;
+use super::fits::fits_with;
 use super::plan::{DiagnosisPlan, Plan};
 use super::robot_table::has_no_track;
+use super::stages::Stages;
 use crate::compare::{Curve, WindowFloor};
-use crate::diagnose::{Data, Diagnosis, Progress, Settings, WindowFit, with_later_input};
-use crate::effects;
+use crate::diagnose::{
+    Data, Diagnosis, INPUT_SHIFT, Progress, Settings, THRESHOLDS, Timing, WindowFit,
+    with_later_input,
+};
+use crate::effects::{self, Change};
 use crate::identify::{IdentifyError, Note, Task, start, start_without_friction};
 use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, MethodStudy, Role};
+use crate::study::{DiagnosisStudy, MethodAtFloor, MethodStudy, Role};
 use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, if requested.
@@ -23,6 +28,8 @@ pub struct Diagnosed {
     /// The comparison; with a diagnosis, the noise floor is that of the model with the effects found.
     pub comparison: Comparison,
     pub(super) settled: Option<Settled>,
+    /// The time of the input by the model with the effects found, which replaces that by the model as given.
+    pub(super) timing: Option<Timing>,
 }
 
 impl Diagnosed {
@@ -40,7 +47,7 @@ impl Diagnosed {
 impl From<Comparison> for Diagnosed {
     /// Without a diagnosis.
     fn from(comparison: Comparison) -> Self {
-        Self { comparison, settled: None }
+        Self { comparison, settled: None, timing: None }
     }
 }
 
@@ -76,11 +83,58 @@ pub(super) fn diagnose_with_progress(
     let floor = floor_of(&comparison);
     let settled =
         with_basis(plan, asked, &comparison, |basis| Settled::of(diagnosis, basis, Some(floor)));
+    let timing = timing_with_found(plan, settled.diagnosis());
+    let comparison = match plan.late().and(timing) {
+        // the methods fitted a delay in place of the effects found
+        Some(_) => {
+            let fits = fits_with(plan, None, &Stages::hidden());
+            compare(plan, &fits).unwrap_or(comparison)
+        }
+        None => comparison,
+    };
     let comparison = match settled.diagnosis().steps.last() {
         Some(_) => comparison.under(plan, &dynamics(settled.diagnosis().last()))?,
         None => comparison,
     };
-    Ok(Diagnosed { comparison, settled: Some(settled) })
+    Ok(Diagnosed { comparison, settled: Some(settled), timing })
+}
+
+/// The time of the input by the model with the effects found: a missing effect may look like a shift in time. `None` without
+/// effects, where one of them is a shift itself, and where the data do not determine it within what logging explains.
+fn timing_with_found(plan: &Plan, diagnosis: &Diagnosis) -> Option<Timing> {
+    let given = plan.timing?;
+    let shifts = |id: &String| effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
+    if diagnosis.found().iter().any(shifts) {
+        return None;
+    }
+    let WindowFit { model, p, covariance, at_bound, .. } = &diagnosis.steps.last()?.fit;
+    let j = model.index_of(INPUT_SHIFT).ok()?;
+    let std_error_s = covariance[(j, j)].sqrt();
+    let is_known = std_error_s.is_finite() && std_error_s > 0.0 && !at_bound[j];
+    let dead_time_s = given.correction_s + p[j];
+    is_known.then_some(Timing { dead_time_s, std_error_s, ..given })
+}
+
+/// The method whose fit of the model as given comes closest to the noise floor of held-out recordings, if it is at the floor
+/// although the fit of the diagnosis, which misses no effect, is not.
+fn method_at_floor(
+    plan: &Plan,
+    comparison: &Comparison,
+    verdict: &DiagnosisStudy,
+) -> Option<MethodAtFloor> {
+    let judged = comparison.judged();
+    // a delay is another structure
+    let asked = judged.are_held_out() && verdict.is_open() && verdict.withheld.is_none();
+    if !asked || plan.late().is_some() {
+        return None;
+    }
+    let physical = comparison.methods.iter().filter(|m| m.fuzzy.is_none() && m.failure.is_none());
+    let fits = physical.map(|m| MethodAtFloor {
+        method: m.name.clone(),
+        ratio: judged.window_rms(&m.performance) / judged.floor(),
+    });
+    let at_floor = fits.filter(|fit| fit.ratio <= THRESHOLDS.at_floor);
+    at_floor.min_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }
 
 /// The verdict of a diagnosis with the `curves` of the residual torque; `None` without a diagnosis.
@@ -97,7 +151,8 @@ pub(super) fn verdict(
     let floor = Some(floor_of(comparison));
     let verdict =
         with_basis(plan, asked, comparison, |basis| settled.verdict(curves, basis, floor))?;
-    Ok(Some(verdict))
+    let at_floor = method_at_floor(plan, comparison, &verdict);
+    Ok(Some(DiagnosisStudy { at_floor, ..verdict }))
 }
 
 /// Calls a function with the basis of the verdict for a plan.

@@ -315,7 +315,10 @@ fn verdict(study: &Study) -> String {
     };
     let error = study.last_model().map_or(f64::NAN, |m| study.error_of(m));
     let floor = study.judged_floor();
-    let judged = study.judged_words();
+    let judged = match Judged::of(&study.recordings).are_held_out() {
+        true => "validation",
+        false => "training: no validation recording is given",
+    };
     let staircase = study.diagnosis.as_ref().map_or(&[][..], |d| &d.staircase);
     match (&study.diagnosis, staircase.first().zip(staircase.last())) {
         // error, floor and ratio are those of the fits of the diagnosis

@@ -27,22 +27,27 @@ pub fn fits(plan: &Plan) -> Vec<MethodFit> {
 
 /// The same, with progress shown for every method.
 pub(super) fn fits_in_stages(plan: &Plan, stages: &Stages) -> Vec<MethodFit> {
+    fits_with(plan, plan.late(), stages)
+}
+
+/// The same with a delay of the input only for a dead time that is too `late` for logging.
+pub(super) fn fits_with(plan: &Plan, late: Option<Timing>, stages: &Stages) -> Vec<MethodFit> {
     let (train, count) = (plan.of(Role::Train), plan.methods.len());
-    let model = plan.fitted_model();
+    let model = plan.model_with(late);
     let task = Task { model: &model, train: &train, hold: plan.hold, seed: plan.seed };
     let excited = Excited::new(task);
     let fitted = |(n, method): (usize, &MethodPlan)| {
         stages.enter(&format!("fitting {} (method {} of {count})", method.name, n + 1));
         let long = counted(&plan.long(), &stages.counting("rows"));
-        fit(plan, method, &excited, &long)
+        fit(method, &excited, late, &long)
     };
     plan.methods.iter().enumerate().map(fitted).collect()
 }
 
 fn fit(
-    plan: &Plan,
     method: &MethodPlan,
     excited: &Excited,
+    late: Option<Timing>,
     long: &[Option<LongRecording>],
 ) -> MethodFit {
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
@@ -53,7 +58,7 @@ fn fit(
         let fit = fit.between_rows(train, hold).under_one_size(model, train);
         Ok(fit.driving_frictions(model))
     };
-    let fit = match plan.late() {
+    let fit = match late {
         Some(timing) => with_dead_time(excited, timing, identify),
         None => identify(excited),
     };

@@ -126,11 +126,16 @@ impl Plan {
     /// time that logging does not explain. Without it the inertias and frictions would take a part of that time.
     #[must_use]
     pub fn fitted_model(&self) -> Model {
+        self.model_with(self.late())
+    }
+
+    /// The model of the file with a delay of the input for a dead time that is too late for logging.
+    pub(super) fn model_with(&self, late: Option<Timing>) -> Model {
         let with_delay = |timing: Timing| {
             let model = self.model.add(&effects::delay()?.id()).ok()?;
             Some(model.starting_at(self.model.parameters().len(), timing.dead_time_s))
         };
-        self.late().and_then(with_delay).unwrap_or_else(|| self.model.clone())
+        late.and_then(with_delay).unwrap_or_else(|| self.model.clone())
     }
 
     /// The same without corrections.

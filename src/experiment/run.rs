@@ -40,7 +40,7 @@ pub(super) fn run_in_stages(plan: &Plan, stages: &Stages) -> Result<Study, RunEr
 /// # Errors
 /// A model that cannot be simulated.
 pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
-    let Diagnosed { comparison, settled } = diagnosed;
+    let Diagnosed { comparison, settled, timing } = diagnosed;
     let models = match &settled {
         Some(settled) => models::of_diagnosis(plan, &comparison, settled.diagnosis())?,
         None => models::of_reference(plan, &comparison)?,
@@ -77,7 +77,8 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         of_paper: plan.of_paper,
         versions: vec![],
         truth: plan.truth.clone(),
-        timing: plan.timing,
+        timing: timing.or(plan.timing),
+        timing_as_given: timing.and(plan.timing),
         model_out,
         what_if,
     })

@@ -20,7 +20,7 @@ pub enum Block {
         /// Further findings; may be empty.
         rest: String,
         /// Basis of the finding; may be empty.
-        detail: String,
+        detail: Text,
     },
     /// Key numbers, side by side.
     Numbers(Vec<Number>),
@@ -72,7 +72,7 @@ impl Block {
     }
 
     /// A finding.
-    pub fn verdict(tone: Tone, sentence: impl Into<String>, detail: impl Into<String>) -> Self {
+    pub fn verdict(tone: Tone, sentence: impl Into<String>, detail: impl Into<Text>) -> Self {
         Self::findings(tone, [sentence.into()], detail)
     }
 
@@ -80,7 +80,7 @@ impl Block {
     pub fn findings(
         tone: Tone,
         sentences: impl IntoIterator<Item = String>,
-        detail: impl Into<String>,
+        detail: impl Into<Text>,
     ) -> Self {
         let mut sentences = sentences.into_iter();
         let sentence = sentences.next().unwrap_or_default();
@@ -188,13 +188,13 @@ impl Text {
 
 impl From<&str> for Text {
     fn from(text: &str) -> Self {
-        Self::default().plain(text)
+        text.to_owned().into()
     }
 }
 
 impl From<String> for Text {
     fn from(text: String) -> Self {
-        Self::default().plain(text)
+        if text.is_empty() { Self::default() } else { Self::default().plain(text) }
     }
 }
 
@@ -207,12 +207,21 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// The rows; missing cells are empty, surplus cells are ignored.
     pub rows: Vec<Vec<Cell>>,
+    /// Number of columns in addition to the first that together name a row.
+    pub further_heads: usize,
 }
 
 impl Table {
     /// A table without rows.
     pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
-        Self { caption: caption.into(), columns, rows: Vec::new() }
+        Self { caption: caption.into(), columns, ..Self::default() }
+    }
+
+    /// Names a row by its first `heads` columns.
+    #[must_use]
+    pub fn with_heads(mut self, heads: usize) -> Self {
+        self.further_heads = heads.saturating_sub(1);
+        self
     }
 
     /// Adds a row.

@@ -7,41 +7,92 @@ use crate::report::format;
 /// Number of standard errors for an interval of 95 %.
 const INTERVAL: f64 = 1.96;
 
-/// Lower end of the interval \[s\].
-fn earliest(timing: &Timing) -> f64 {
-    timing.dead_time_s - INTERVAL * timing.std_error_s
+fn ms(seconds: f64) -> String {
+    format::fixed(1e3 * seconds, 1)
 }
 
-/// The dead time between input and motion with its interval and its treatment.
+/// Whether the input acts before its time in the log: no dead time, but a shift of the log.
+fn is_early(timing: &Timing) -> bool {
+    timing.dead_time_s < -INTERVAL * timing.std_error_s
+}
+
+/// What the time is: that from input to motion, or that of the input in the log.
+#[must_use]
+pub(crate) fn dead_time_name(timing: &Timing) -> &'static str {
+    if is_early(timing) { "Time of the input" } else { "Dead time" }
+}
+
+/// The time with its standard error and interval.
+fn value(timing: &Timing) -> String {
+    let Timing { dead_time_s, std_error_s, .. } = *timing;
+    let reach = INTERVAL * std_error_s;
+    match is_early(timing) {
+        true => format!(
+            "the input acts {} ± {} ms before it is recorded (95 %: {} to {} ms)",
+            ms(-dead_time_s),
+            ms(std_error_s),
+            ms(-dead_time_s - reach),
+            ms(-dead_time_s + reach)
+        ),
+        false => format!(
+            "{} ± {} ms from input to motion (95 %: {} to {} ms)",
+            ms(dead_time_s),
+            ms(std_error_s),
+            ms(dead_time_s - reach),
+            ms(dead_time_s + reach)
+        ),
+    }
+}
+
+/// The dead time between input and motion with its interval and its treatment, by the model as given.
 #[must_use]
 pub fn dead_time(timing: &Timing) -> String {
-    let ms = |seconds: f64| format::fixed(1e3 * seconds, 1);
     let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
-    let value = format!(
-        "{} ± {} ms from input to motion (95 %: {} to {} ms)",
-        ms(dead_time_s),
-        ms(std_error_s),
-        ms(earliest(timing)),
-        ms(dead_time_s + INTERVAL * std_error_s)
-    );
-    if correction_s != 0.0 {
-        return format!(
-            "{value}, of which {} ms are corrected: as much as logging can cause",
-            ms(correction_s)
-        );
-    }
-    if timing.is_late() {
-        return format!(
-            "{value}, more than logging explains; the methods estimate it as an input delay, which the \
-             model of the file does not contain"
-        );
-    }
-    if dead_time_s.abs() > INTERVAL * std_error_s {
-        return format!(
-            "{value}; not corrected in the recordings, because it may be caused by an effect missing from the model"
-        );
-    }
-    format!("{value}, not significantly different from zero")
+    let treatment = if correction_s != 0.0 {
+        corrected(timing)
+    } else if timing.is_late() {
+        ", more than logging explains; the methods estimate it as an input delay, which the model of the file does not \
+         contain"
+            .to_owned()
+    } else if dead_time_s.abs() > INTERVAL * std_error_s {
+        "; not corrected in the recordings, because an effect missing from the model may cause it: prediction_error and a \
+         diagnosis estimate it with the parameters"
+            .to_owned()
+    } else {
+        ZERO.to_owned()
+    };
+    value(timing) + &treatment
+}
+
+const ZERO: &str = ", not significantly different from zero";
+
+fn corrected(timing: &Timing) -> String {
+    let shift = ms(timing.correction_s.abs());
+    format!(", of which {shift} ms are corrected: as much as logging can cause")
+}
+
+/// The same by the model with the effects `found`, and what became of the time by the model as given, `before`.
+#[must_use]
+pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> String {
+    let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
+    let treatment = if correction_s != 0.0 {
+        corrected(timing)
+    } else if dead_time_s.abs() > INTERVAL * std_error_s {
+        ", as logging can cause; the fits of the diagnosis and of prediction_error estimate it with the parameters"
+            .to_owned()
+    } else {
+        ZERO.to_owned()
+    };
+    let seeming = match timing.agrees_with(before.dead_time_s, before.std_error_s) {
+        true => String::new(),
+        false => format!(
+            ". Without {found} in the model it would seem to be {} ± {} ms from input to motion; the difference is due to \
+             the missing effect",
+            ms(before.dead_time_s),
+            ms(before.std_error_s)
+        ),
+    };
+    format!("{}{treatment}{seeming}", value(timing))
 }
 
 /// What to do about a dead time that the model of the file does not have, without a diagnosis.
@@ -59,21 +110,39 @@ pub fn dead_time_advice() -> String {
 mod tests {
     use super::*;
 
+    fn of(dead_time_s: f64, correction_s: f64) -> Timing {
+        Timing { dead_time_s, std_error_s: 0.0004, correction_s, logging_s: 0.005 }
+    }
+
     #[test]
     fn a_time_that_the_model_lacks_is_said_with_what_to_add() {
-        let of = |dead_time_s, correction_s| {
-            let (std_error_s, logging_s) = (0.0004, 0.005);
-            dead_time(&Timing { dead_time_s, std_error_s, correction_s, logging_s })
-        };
+        let of = |time, correction| dead_time(&of(time, correction));
         let late = of(0.0238, 0.0);
         assert!(late.contains("23.8 ± 0.4 ms from input to motion (95 %: 23.0 to 24.6 ms), more"));
         assert!(dead_time_advice().starts_with("add actuator_delay or actuator_lag to"));
         assert!(of(0.0038, 0.0038).ends_with("3.8 ms are corrected: as much as logging can cause"));
-        assert!(of(0.0038, 0.0).contains("because it may be caused by"));
-        assert!(
-            of(-0.0038, 0.0).starts_with("−3.8 ± 0.4 ms")
-                && of(-0.0038, 0.0).contains("not corrected")
-        );
+        assert!(of(0.0038, 0.0).contains("an effect missing from the model may cause it"));
+        assert!(of(-0.0038, 0.0).starts_with(
+            "the input acts 3.8 ± 0.4 ms before it is recorded (95 %: 3.0 to 4.6 ms); not corrected"
+        ));
         assert!(of(0.0002, 0.0).ends_with("not significantly different from zero"));
+    }
+
+    #[test]
+    fn a_time_that_an_effect_stands_for_is_not_that_of_the_input() {
+        let before = Timing { std_error_s: 0.0029, ..of(0.0214, 0.0) };
+        let said = dead_time_with("quadratic drag", &of(-0.0065, 0.0), &before);
+        assert!(said.starts_with("the input acts 6.5 ± 0.4 ms before it is recorded"), "{said}");
+        assert!(
+            said.ends_with(
+                "Without quadratic drag in the model it would seem to be 21.4 ± 2.9 ms from input to motion; the \
+                 difference is due to the missing effect"
+            ),
+            "{said}"
+        );
+        let alike = dead_time_with("quadratic drag", &of(-0.0065, 0.0), &of(-0.0061, 0.0));
+        assert!(!alike.contains("Without"), "{alike}");
+        assert_eq!(dead_time_name(&of(-0.0065, 0.0)), "Time of the input");
+        assert_eq!(dead_time_name(&of(0.0002, 0.0)), "Dead time");
     }
 }

@@ -153,8 +153,7 @@ pub fn estimate(value: f64, std_error: f64) -> String {
         return number(value);
     }
     let error_exponent = decimal_exponent(std_error, 2).unwrap_or(0);
-    let exponent = decimal_exponent(value, 4).unwrap_or(error_exponent).max(error_exponent);
-    if error_exponent < -6 || !(-3..5).contains(&exponent) {
+    if let Some(exponent) = power_of(value, std_error) {
         let scale = |v: f64| scale_by_power_of_ten(v, -exponent);
         // beyond 12 decimals binary rounding would be printed
         let decimals = (exponent - error_exponent + 1).clamp(0, 12) as usize;
@@ -166,6 +165,36 @@ pub fn estimate(value: f64, std_error: f64) -> String {
     }
     let decimals = (1 - error_exponent).max(0) as usize;
     format!("{} ± {}", fixed(value, decimals), fixed(std_error, decimals))
+}
+
+/// The power of ten in which an [`estimate`] is written, if it is not written in full.
+fn power_of(value: f64, std_error: f64) -> Option<i32> {
+    let error = decimal_exponent(std_error, 2)?;
+    let exponent = decimal_exponent(value, 4).unwrap_or(error).max(error);
+    (error < -6 || !(-3..5).contains(&exponent)).then_some(exponent)
+}
+
+/// The interval of an [`estimate`], "[0.119, 0.127]": in the same power of ten, to the digits in which its ends differ.
+///
+/// ```
+/// use amigo_ident::report::format::interval;
+/// assert_eq!(interval((0.119, 0.127), 0.123, 0.002), "[0.1190, 0.1270]");
+/// assert_eq!(interval((2.77e-4, 3.12e-4), 2.9e-4, 1e-5), "[2.77, 3.12] × 10⁻⁴");
+/// ```
+pub fn interval((low, high): (f64, f64), value: f64, std_error: f64) -> String {
+    let width = high - low;
+    if width == 0.0 {
+        return format!("[{0}, {0}]", number(low));
+    }
+    let size = low.abs().max(high.abs());
+    let digits = (size / width).log10().ceil().clamp(0.0, 9.0) as i32 + 2;
+    let power = power_of(value, std_error);
+    let exponent = size.log10().floor() as i32 - power.unwrap_or(0);
+    // both ends to the same decimal place
+    let decimals = (digits - 1 - exponent).max(0) as usize;
+    let end = |v: f64| fixed(scale_by_power_of_ten(v, -power.unwrap_or(0)), decimals);
+    let times = power.map_or_else(String::new, |power| format!(" × {}", power_of_ten(power)));
+    format!("[{}, {}]{times}", end(low), end(high))
 }
 
 /// A p-value as a sentence part: "p = 0.012", "p = 3.2 × 10⁻⁵", "p < 10⁻⁹".

@@ -25,6 +25,7 @@ pub mod what_if;
 mod words;
 
 pub use dead_time::{dead_time, dead_time_advice};
+pub(crate) use dead_time::{dead_time_name, dead_time_with};
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};
 pub use raster::{figure_to_png, figure_to_svg};

@@ -10,12 +10,14 @@ mod next;
 pub(super) use self::effects::shifts_input;
 use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
-use crate::report::format::percent;
-use crate::study::{DiagnosisStudy, Undetermined, Verdict, Withheld};
+use crate::report::format::{in_text, percent};
+use crate::study::{DiagnosisStudy, MethodAtFloor, Undetermined, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
+pub(super) use self::error::caused;
 pub use self::evidence::evidence;
 pub use self::next::recommendation;
+pub(super) use self::next::recommends;
 
 /// The text of a verdict: the missing effects with the remaining error; likely further effects; the
 /// dependence of the residual torque, and a formula for it.
@@ -109,7 +111,9 @@ fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
 /// States that nothing is missing, or that nothing is proven to be missing.
 fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
     let rate = format!("at a false-alarm rate of {:.0} %", 100.0 * stated.false_alarm);
-    let none = format!("none of the effects of the catalogue is proven {rate}");
+    let nothing =
+        || format!("Nothing is missing: none of the effects of the catalogue is proven {rate}.");
+    let not_proven = format!("Nothing is proven to be missing {rate}");
     let text = |text: &str| text.to_owned();
     if let Some((effect, why)) = &stated.withheld {
         let with = format!(
@@ -122,28 +126,31 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
         return vec![text("Nothing is proven to be missing."), error, with];
     }
     if !stated.errors.above_floor() {
-        return vec![format!("Nothing is missing: {none}."), error];
+        return vec![nothing(), error];
+    }
+    if let Some(MethodAtFloor { method, ratio }) = &stated.at_floor {
+        let sufficient = format!(
+            "As fitted by {method}, the same model is at the noise floor of the validation recordings ({ratio:.2} times \
+             it), so its structure is sufficient."
+        );
+        let own = format!("The fit of the diagnosis is not: {}", in_text(&error));
+        return vec![nothing(), sufficient, own];
     }
     if !stated.errors.above_input() {
         let faster = text("To decide, record at the rate of the controller.");
-        return vec![format!("Nothing is proven to be missing: {none}."), error, faster];
+        return vec![not_proven + ".", error, faster];
     }
     if !stated.errors.above_all() {
-        let more = text(
-            "To decide, record more of the movement of the validation recordings for training.",
-        );
-        return vec![format!("Nothing is proven to be missing: {none}."), error, more];
+        return vec![not_proven + ".", error];
     }
     if stated.errors.slow_floor {
         let slow = "Most of the noise floor is slow noise of the recorded input, which was estimated while the robot rests \
                     and is known to within a factor of two at best. To decide, record longer rests.";
-        return vec![format!("Nothing is proven to be missing: {none}."), error, text(slow)];
+        return vec![not_proven + ".", error, text(slow)];
     }
     // the floor assumes white noise: coloured noise of the input can cause such an error too
     vec![
-        format!(
-            "Nothing is proven to be missing: {none}, and no dependence of the residual torque is significant."
-        ),
+        not_proven + ", and no dependence of the residual torque is significant.",
         error,
         text(
             "Coloured noise of the recorded input or an external disturbance can cause an error of this size.",
@@ -203,6 +210,7 @@ mod tests {
             unproven: None,
             withheld: None,
             logging: Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false },
+            at_floor: None,
             differs: None,
             dependence: None,
             parameters: vec![],
@@ -278,6 +286,23 @@ mod tests {
             text.ends_with("6 windows of 1 s for 8 parameters; record at least 16 s."),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_method_at_the_floor_shows_that_the_structure_is_sufficient() {
+        let at_floor = MethodAtFloor { method: "torque_regression".into(), ratio: 0.954 };
+        let verdict = Verdict::ModelSufficient;
+        let stated = DiagnosisStudy { verdict, at_floor: Some(at_floor), ..unknown() };
+        let text = sentence(&stated);
+        assert!(text.starts_with("Nothing is missing: none of the effects"), "{text}");
+        assert!(
+            text.contains("As fitted by torque_regression, the same model is at the noise floor")
+        );
+        assert!(text.ends_with("is not: the 2 s simulation error is 3.0 times the noise floor."));
+        assert!(!stated.is_open());
+        let open = DiagnosisStudy { at_floor: None, ..stated };
+        assert!(open.is_open());
+        assert!(sentence(&open).starts_with("Nothing is proven to be missing at a false-alarm"));
     }
 
     #[test]

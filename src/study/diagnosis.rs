@@ -15,6 +15,8 @@ pub struct CandidateStudy {
     pub effect: String,
     /// Posterior probability among the candidates.
     pub probability: f64,
+    /// Whether simulation is no better with it, so that it counts as no more probable than no effect.
+    pub no_better: bool,
     /// Effects indistinguishable from it by these data.
     pub indistinguishable: Vec<String>,
     /// p-value of the score test.
@@ -94,6 +96,9 @@ pub struct DiagnosisStudy {
     pub withheld: Option<(UnprovenEffect, Withheld)>,
     /// How the recordings were logged.
     pub logging: Logging,
+    /// A method whose fit of the model as given is at the noise floor, where that of the diagnosis is not although nothing is
+    /// missing.
+    pub at_floor: Option<MethodAtFloor>,
     /// A parameter of the last model that differs between the recordings.
     pub differs: Option<Difference>,
     /// Dependence of the residual torque, if the verdict states it.
@@ -120,7 +125,25 @@ pub struct DiagnosisStudy {
     pub undetermined: Option<Undetermined>,
 }
 
+/// A method whose fit is at the noise floor of recordings that were not fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodAtFloor {
+    /// Its name.
+    pub method: String,
+    /// Ratio of its 2 s simulation error to the floor.
+    pub ratio: f64,
+}
+
 impl DiagnosisStudy {
+    /// Whether recordings that were not fitted have an error above the noise floor although nothing is proven to be
+    /// missing: the data do not decide.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.verdict == Verdict::ModelSufficient
+            && self.errors.above_floor()
+            && self.at_floor.is_none()
+    }
+
     /// The likely effect: that of the verdict, or an additional one. None if a formula describes the residual
     /// torque, or if the recordings do not determine the model.
     #[must_use]
@@ -169,6 +192,11 @@ pub enum Advice {
     RecordFaster {
         /// Sufficient number of rows per second.
         rate: usize,
+    },
+    /// Training recordings with the movement of the validation recordings.
+    TrainOn {
+        /// Names of the latter.
+        recordings: Vec<String>,
     },
     /// A recording that can prove an effect.
     Prove {

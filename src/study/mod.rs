@@ -16,7 +16,7 @@ mod what_if;
 
 pub use dependence::{DependenceStudy, is_most_of_it, is_plain, most_pointing};
 pub use diagnosis::{
-    Advice, CandidateStudy, DiagnosisStudy, Logging, StepStudy, Verdict, Withheld,
+    Advice, CandidateStudy, DiagnosisStudy, Logging, MethodAtFloor, StepStudy, Verdict, Withheld,
 };
 pub use formula::{Coefficient, FormulaStudy};
 pub use grouped::grouped;
@@ -96,6 +96,25 @@ pub struct RecordingStudy {
     pub path: Vec<[f64; 3]>,
 }
 
+/// Ratio of the quality index that noise causes to the part of the speed sensors above which the rest, the drift of a free
+/// simulation by noise of the input, is most of it. The floor is then the mean of a random drift that one run may miss by
+/// far (judgement).
+const DRIFTING: f64 = 10.0;
+
+impl RecordingStudy {
+    /// Quality index due to the noise of the measured speeds alone [rad^2/s].
+    #[must_use]
+    pub fn ise_of_sensors(&self) -> f64 {
+        self.noise.omega.iter().map(|s| s * s).sum::<f64>() * self.duration_s
+    }
+
+    /// Whether the noise floor of the quality index is mostly drift of the free simulation.
+    #[must_use]
+    pub fn drifts(&self) -> bool {
+        self.floor.ise.iter().sum::<f64>() > DRIFTING * self.ise_of_sensors()
+    }
+}
+
 /// A version of the model from an earlier run of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Version {
@@ -160,9 +179,11 @@ pub struct Study {
     pub of_paper: bool,
     /// Earlier versions of the model, oldest first, this one last.
     pub versions: Vec<Version>,
-    /// Shift in time between input and motion, if identifiable. A dead time that logging does not explain is a
-    /// delay in the fits of the methods.
+    /// Shift in time between input and motion by the last model, if identifiable. A dead time that logging does not
+    /// explain is a delay in the fits of the methods.
     pub timing: Option<crate::diagnose::Timing>,
+    /// The same by the model as given, where `timing` is that by the model with the effects found.
+    pub timing_as_given: Option<crate::diagnose::Timing>,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
     /// The files of the exported model; `None` if no method identified one.

@@ -139,6 +139,7 @@ impl<'a> Concluded<'a> {
             (None, None) if is_open => advice(diagnosis, self.likely),
             (None, None) => vec![],
         };
+        let next = self.lacking().into_iter().chain(next).collect();
         Ok(DiagnosisStudy {
             verdict: self.verdict(),
             errors: *errors,
@@ -146,6 +147,7 @@ impl<'a> Concluded<'a> {
             unproven: self.likely.map(|ranked| unproven(ranked, crossed)),
             withheld: self.withheld.map(|(ranked, why)| (unproven(ranked, crossed), why)),
             logging,
+            at_floor: None,
             differs: self.differs.clone(),
             dependence,
             parameters: parameters_of(diagnosis.last(), logging.unit),
@@ -159,6 +161,18 @@ impl<'a> Concluded<'a> {
             formula,
             undetermined: self.undetermined,
         })
+    }
+
+    /// The recording for training where the error on the validation recordings is above the floor because the training
+    /// recordings determine the parameters too little.
+    fn lacking(&self) -> Option<Advice> {
+        let Self { errors, basis, .. } = self;
+        let stands = matches!(self.conclusion, Conclusion::Sufficient | Conclusion::Missing)
+            && self.undetermined.is_none()
+            && self.withheld.is_none();
+        let names = basis.validation.iter().map(|r| r.name().to_owned());
+        let is_due = stands && errors.above_floor() && errors.above_input() && !errors.above_all();
+        is_due.then(|| Advice::TrainOn { recordings: names.collect() })
     }
 
     fn verdict(&self) -> Verdict {

@@ -1,6 +1,6 @@
 //! Candidates and steps of a diagnosis with their errors on the judged recordings.
 
-use crate::diagnose::{Diagnosis, Judge, Judgement, Ranked, THRESHOLDS, probabilities};
+use crate::diagnose::{Diagnosis, Judge, Judgement, Ranked, THRESHOLDS, is_refuted, probabilities};
 use crate::identify::Estimate;
 use crate::simulate::SimulateError;
 use crate::study::{CandidateStudy, StepStudy, parameters_of};
@@ -38,29 +38,33 @@ pub(super) fn ranking(
         diagnosis.ranking.iter().enumerate().map(judged).collect::<Result<_, _>>()?;
     let most = before.window_rms * (1.0 + THRESHOLDS.least_fall);
     let raises = |after: &Option<Judgement>| after.as_ref().is_some_and(|j| j.window_rms > most);
-    let probabilities =
-        probabilities(&diagnosis.ranking, &after.iter().map(raises).collect::<Vec<_>>());
+    let pairs = diagnosis.ranking.iter().zip(&after);
+    let refuted: Vec<bool> =
+        pairs.map(|(ranked, after)| is_refuted(ranked, raises(after))).collect();
+    let probabilities = probabilities(&diagnosis.ranking, &refuted);
     let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
-    let ranking = diagnosis.ranking.iter().zip(probabilities).zip(after);
+    let ranking = diagnosis.ranking.iter().zip(probabilities).zip(after.into_iter().zip(refuted));
     Ok(ranking
         .enumerate()
-        .map(|(place, ((ranked, probability), after))| {
+        .map(|(place, ((ranked, probability), (after, no_better)))| {
+            // effects that do nothing are all alike
+            let is_alike = || !no_better && (ranked.bic - best).abs() < THRESHOLDS.alike;
             let equals = if place == 0 {
                 diagnosis.steps.first().map(|s| s.equals.clone()).unwrap_or_default()
-            } else if ranked.refit.is_some() && (ranked.bic - best).abs() < THRESHOLDS.alike {
+            } else if ranked.refit.is_some() && is_alike() {
                 vec![diagnosis.ranking[0].candidate.id.clone()]
             } else {
                 ranked.candidate.effect.description().equivalent
             };
-            candidate(ranked, probability, equals, before, after, judge)
+            let study = candidate(ranked, before, after, judge);
+            CandidateStudy { probability, no_better, indistinguishable: equals, ..study }
         })
         .collect())
 }
 
+/// A candidate with its errors, not yet compared with others.
 fn candidate(
     ranked: &Ranked,
-    probability: f64,
-    indistinguishable: Vec<String>,
     before: Judgement,
     after: Option<Judgement>,
     judge: &Judge,
@@ -73,8 +77,9 @@ fn candidate(
         if of_input && ranked.bic.is_finite() { ranked.bic.min(own.max(0.0)) } else { ranked.bic };
     CandidateStudy {
         effect: ranked.candidate.id.clone(),
-        probability,
-        indistinguishable,
+        probability: f64::NAN,
+        no_better: false,
+        indistinguishable: vec![],
         p_value: ranked.fall.map_or(1.0, |fall| fall.p_value),
         log_significance: ranked.fall.map_or(0.0, |fall| -fall.p_value.ln()),
         evidence: -0.5 * bic,

@@ -63,7 +63,7 @@ const REFUSED: [(&str, &str); 82] = [
     ("way of the robot", "robot path"),
     ("takes all out", "is efficient"),
     ("fall of bic", "ΔBIC"),
-    ("explains all but", "removes … of the error above the noise floor"),
+    ("explains all but", "removes … of the mean square error above the noise floor"),
     ("so many degrees of freedom", "the degrees of freedom listed"),
     ("by itself and starts from", "uses its own fit (initial error …)"),
     ("cannot give", "… is not identifiable"),

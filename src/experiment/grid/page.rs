@@ -78,8 +78,11 @@ pub(super) fn render(
 fn caution(cells: &[GridCell]) -> Option<Block> {
     let on = judged_on(cells);
     let sentence = format!("The 2 s simulation errors are{on}, which the models were fitted to.");
-    let detail = "With enough parameters even a wrong model fits its training data. List held-out \
-                  recordings under `validation` (for simulated data, their number).";
+    let detail = Text::from(
+        "With enough parameters even a wrong model fits its training data. List held-out recordings under ",
+    )
+    .code("validation")
+    .plain(" (for simulated data, their number).");
     (!on.is_empty()).then(|| Block::verdict(Tone::Notice, sentence, detail))
 }
 
@@ -171,7 +174,8 @@ fn table(grid: &GridPlan, summaries: &[Summary]) -> Block {
         format!("{lead} Bias, RMSE and reported standard error in the unit of the parameter.");
     // a hundred repetitions determine an error to 7 %, so three digits are sufficient
     let three = |v: f64| Cell::formatted(format::digits(v, 3), v);
-    let mut table = Table::new(caption, columns);
+    // the combination, the method and the parameter
+    let mut table = Table::new(caption, columns).with_heads(axes.len() + 2);
     for s in summaries.iter().take(MOST_ROWS) {
         let mut row: Vec<Cell> = axes
             .iter()

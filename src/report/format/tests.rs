@@ -76,3 +76,15 @@ fn units_prefixes_and_counts() {
     assert_eq!(fixed(-0.001, 2), "0.00");
     assert_eq!(superscript(-120), "⁻¹²⁰");
 }
+
+#[test]
+fn an_interval_has_the_power_of_its_estimate_and_the_digits_in_which_its_ends_differ() {
+    assert_eq!(interval((0.031_871, 0.031_912), 0.0319, 1e-5), "[0.031871, 0.031912]");
+    assert_eq!(interval((-1.0, 3.0), 1.0, 1.0), "[−1.0, 3.0]");
+    assert_eq!(interval((-6.44e-3, -3.81e-6), -3.2e-3, 1.6e-3), "[−0.00644, 0.00000]");
+    assert_eq!(interval((0.1245, 0.125_23), 0.1249, 2e-4), "[0.12450, 0.12523]");
+    // an end with one digit more than the value
+    assert_eq!(estimate(8.7e-5, 2.1e-5), "(8.7 ± 2.1) × 10⁻⁵");
+    assert_eq!(interval((4.6e-5, 1.28e-4), 8.7e-5, 2.1e-5), "[4.6, 12.8] × 10⁻⁵");
+    assert_eq!(interval((0.0, 0.0), 0.0, 0.0), "[0, 0]");
+}

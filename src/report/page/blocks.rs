@@ -36,7 +36,7 @@ impl<'a> Writer<'a> {
             Block::Heading(heading) => html! { h3 { (heading) } },
             Block::Paragraph(paragraph) => html! { p { (text(paragraph)) } },
             Block::Verdict { tone, sentence, rest, detail } => {
-                verdict(*tone, [sentence, rest, detail])
+                verdict(*tone, [sentence, rest], detail)
             }
             Block::Numbers(all) => numbers(all),
             Block::Table(shown) => {
@@ -82,7 +82,7 @@ fn text(text: &Text) -> Markup {
     }
 }
 
-fn verdict(tone: Tone, [sentence, rest, detail]: [&str; 3]) -> Markup {
+fn verdict(tone: Tone, [sentence, rest]: [&str; 2], detail: &Text) -> Markup {
     let word = match tone {
         Tone::Good => "✓",
         Tone::Neutral => "",
@@ -96,7 +96,7 @@ fn verdict(tone: Tone, [sentence, rest, detail]: [&str; 3]) -> Markup {
                 (sentence)
             }
             @if !rest.is_empty() { p.rest { (rest) } }
-            @if !detail.is_empty() { p.detail { (detail) } }
+            @if *detail != Text::default() { p.detail { (text(detail)) } }
         }
     }
 }
@@ -188,7 +188,8 @@ fn table(table: &Table, number: usize) -> Markup {
                                 @match row.get(i) {
                                     Some(shown) => {
                                         @let label = is_stacked.then(|| label(column));
-                                        (cell(shown, class(column.align), label))
+                                        @let is_head = is_stacked && i <= table.further_heads;
+                                        (cell(shown, [class(column.align), if is_head { "head" } else { "" }], label))
                                     },
                                     None => td {},
                                 }
@@ -201,9 +202,9 @@ fn table(table: &Table, number: usize) -> Markup {
     }
 }
 
-fn cell(cell: &Cell, align: &str, label: Option<String>) -> Markup {
+fn cell(cell: &Cell, [align, head]: [&str; 2], label: Option<String>) -> Markup {
     let tone = cell.tone.map_or(String::new(), |tone| format!("tone-{}", tone_name(tone)));
-    let classes = [align, &tone, if cell.bar.is_some() { "bar" } else { "" }];
+    let classes = [align, head, &tone, if cell.bar.is_some() { "bar" } else { "" }];
     let classes: Vec<&str> = classes.into_iter().filter(|class| !class.is_empty()).collect();
     let style = cell.bar.map(|length| format!("--length:{length:.4}"));
     // an empty value is a missing one; scripts read "Infinity", not "inf"

@@ -59,7 +59,7 @@ for (const box of document.querySelectorAll(".explorer")) {
   function show() {
     if (t.length < 2 || !map.clientWidth) return;
     const k = Number(scrub.value);
-    now.textContent = `${format(t[k], 3)} s`;
+    now.textContent = `${readOff(t[k], [t[0], t[t.length - 1]])} s`;
     const style = getComputedStyle(document.documentElement);
     const color = (name) => style.getPropertyValue(name).trim();
     const ratio = window.devicePixelRatio || 1;

@@ -105,11 +105,11 @@ const drawFigure = (() => {
       const read = seen === view ? layer : counterpart(seen.panel, layer);
       const readable = here && read?.y && read.sorted && isShown(layer);
       const index = readable ? nearest(read.xs, at) : -1;
-      reading.textContent = index < 0 ? "" : format(read.y[index]);
+      reading.textContent = index < 0 ? "" : readOff(read.y[index], view.y);
     }
     if (cursor && cursor.view === view) {
       const height = value(view.panel.y, view.y, 1 - cursor.y);
-      view.label.textContent += `   (${format(at)}, ${format(height)})`;
+      view.label.textContent += `   (${readOff(at, view.x)}, ${readOff(height, view.y)})`;
     }
   }
 

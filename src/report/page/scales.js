@@ -14,6 +14,13 @@ function format(value, digits = 4) {
   return minus(value.toFixed(Math.max(0, digits - 1 - power)));
 }
 
+// A value read off an axis: to a thousandth of its largest value.
+function readOff(value, [a, b]) {
+  const size = Math.floor(Math.log10(Math.max(Math.abs(a), Math.abs(b))));
+  if (value === null || Number.isNaN(value) || size < -3 || size > 4) return format(value);
+  return minus(value.toFixed(Math.max(0, 3 - size)));
+}
+
 // ---- scales ----------------------------------------------------------------------------------
 const share = (axis, [a, b], v) => axis.log ? Math.log(v / a) / Math.log(b / a) : (v - a) / (b - a);
 const value = (axis, [a, b], s) => axis.log ? a * Math.pow(b / a, s) : a + s * (b - a);

@@ -96,7 +96,8 @@ fn whisker(
     let (from, to) = (along(frame, lower), along(frame, upper));
     canvas.line(&[(from, middle), (to, middle)], INK, 1.3, 1.0)?;
     for (end, value) in [(from, lower), (to, upper)] {
-        if value.is_finite() {
+        // an interval that is cut at the edge has no end there
+        if value.is_finite() && (frame.x(value) - end).abs() < 1.0 {
             canvas.line(&[(end, middle - cap), (end, middle + cap)], INK, 1.3, 1.0)?;
         }
     }

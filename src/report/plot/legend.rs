@@ -71,8 +71,9 @@ impl Entry {
             }
             Sample::Patch(alpha) => canvas.rectangle(square(5.0), color, alpha)?,
             Sample::Whisker => {
-                canvas.line(&[(x, middle), (x + SWATCH, middle)], color, 1.5, 1.0)?;
-                canvas.dot((x + SWATCH / 2.0, middle), 3.0, color, 1.0)?;
+                let centre = x + SWATCH / 2.0;
+                canvas.line(&[(centre, middle - 7.0), (centre, middle + 7.0)], color, 1.5, 1.0)?;
+                canvas.dot((centre, middle), 3.0, color, 1.0)?;
             }
             Sample::None => {}
         }

@@ -15,7 +15,24 @@ fn label_count(ticks: &Ticks) -> usize {
 pub(super) fn y_ticks(scale: &Scale, height: f64) -> Ticks {
     let count = (height / 38.0).clamp(2.0, 10.0);
     let closest = (height / TICK_LABEL.line_height()).max(count);
-    fewest_or_more(scale, count, closest, |_| true)
+    apart(fewest_or_more(scale, count, closest, |_| true), scale, height)
+}
+
+/// Without the labels that would touch the one below, as between the decades of a log axis, or the label of the axis above.
+fn apart(mut ticks: Ticks, scale: &Scale, height: f64) -> Ticks {
+    let line = TICK_LABEL.line_height();
+    let mut last = f64::NEG_INFINITY;
+    for tick in ticks.ticks.iter_mut().filter(|tick| !tick.label.is_empty()) {
+        let place = scale.share(tick.at) * height;
+        // an exponent is higher than a digit
+        let is_high = tick.label.contains('⁻') && height - place < 0.25 * line;
+        if place - last < 0.8 * line || is_high {
+            tick.label.clear();
+        } else {
+            last = place;
+        }
+    }
+    ticks
 }
 
 /// As many ticks as there is space for their labels.

@@ -104,7 +104,7 @@ pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer
     let failures = study.given.iter().flat_map(|m| &m.failures);
     let failing: Vec<Regime> = failures.filter(|f| f.significant).map(|f| f.regime).collect();
     let ranges = ranges(recording, |r| failing.contains(&r));
-    let label = "regimes where the model as given fails".to_owned();
+    let label = "regimes with significant residual torque".to_owned();
     (!ranges.is_empty()).then_some(Layer::Shade { ranges, label, role: ColourRole::Highlight })
 }
 

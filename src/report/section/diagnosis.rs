@@ -1,11 +1,12 @@
 //! Which effect is missing, with the evidence.
 
 use super::{Depth, Section, words};
-use crate::diagnose::{Errors, Judgement, Proposal};
+use crate::diagnose::{Errors, Judgement, Proposal, THRESHOLDS, explainable};
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
+use crate::report::verdict::{caused, recommends};
 use crate::report::{evidence, format, recommendation};
-use crate::study::{CandidateStudy, DiagnosisStudy, Study};
+use crate::study::{CandidateStudy, DiagnosisStudy, Study, Verdict};
 
 /// Candidates by rank, with the evidence for each.
 #[derive(Default)]
@@ -48,7 +49,7 @@ impl Section for Diagnosis {
             blocks.extend(ruled_out(&diagnosis.ranking));
         }
         if let Some(next) = recommendation(diagnosis) {
-            blocks.push(Block::Heading("Recommended manoeuvre".to_owned()));
+            blocks.push(Block::Heading(recommends(diagnosis).to_owned()));
             blocks.push(Block::paragraph(next));
         }
         blocks.extend(diagnosis.proposal.as_ref().map(manoeuvre).map(Block::from));
@@ -56,33 +57,39 @@ impl Section for Diagnosis {
     }
 }
 
+/// The best candidates by their criterion.
 fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
     let mut shown: Vec<&CandidateStudy> =
-        diagnosis.ranking.iter().filter(|c| c.evidence.is_finite()).collect();
+        diagnosis.ranking.iter().filter(|c| c.delta_bic.is_finite()).collect();
     // the candidate accepted first may differ from the one ranked first in the screening
-    shown.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    shown.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
     shown.truncate(SHOWN);
     shown.first()?;
     let accepted = diagnosis.found.first();
     let place = accepted.and_then(|id| shown.iter().position(|c| c.effect == *id));
-    let values: Vec<f64> = shown.iter().map(|c| c.evidence).collect();
+    let values: Vec<f64> = shown.iter().map(|c| c.delta_bic).collect();
     let mut series = BarSeries::new("", ColourRole::Measured, values);
-    series.text = shown.iter().map(|c| format::probability(c.probability)).collect();
+    series.text = shown.iter().map(|c| probability(c)).collect();
     let bars = Bars {
         categories: shown.iter().map(|c| words::effect(&c.effect)).collect(),
         series: vec![series],
         highlight: place,
     };
+    let is_lower = |c: &&CandidateStudy| !c.no_better;
     let title = match place.map(|place| (place, shown[place])) {
-        None if shown[0].evidence > 0.0 => format!(
+        None if !shown.iter().any(is_lower) && shown[0].delta_bic > 0.0 => {
+            "No effect of the catalogue lowers the simulation error".to_owned()
+        }
+        None if shown[0].delta_bic > 0.0 => format!(
             "{} fits the training data best, but is not proven on data that it was not fitted to",
             words::effect(&shown[0].effect)
         ),
         None => "No effect of the catalogue improves the fit".to_owned(),
-        Some((0, best)) => {
-            let (name, p) = (words::effect(&best.effect), format::probability(best.probability));
-            format!("{name} explains the data best (probability {p})")
-        }
+        Some((0, best)) => format!(
+            "{} explains the data best (probability among the candidates {})",
+            words::effect(&best.effect),
+            probability(best)
+        ),
         Some((_, accepted)) => {
             let (name, best) =
                 (words::effect_in_text(&accepted.effect), words::effect(&shown[0].effect));
@@ -91,20 +98,29 @@ fn ranking_figure(diagnosis: &DiagnosisStudy) -> Option<Figure> {
             )
         }
     };
-    let panel =
-        Panel::new(Axis::linear("ΔBIC / 2", ""), Axis::unlabelled()).with(Layer::Bars(bars));
+    let panel = Panel::new(Axis::linear("ΔBIC", ""), Axis::unlabelled()).with(Layer::Bars(bars));
     let figure = Figure::new("ranking", title)
         .with_subtitle("Each candidate added separately; labels: probability among the candidates")
         .with_caption(format!(
             "ΔBIC: by how much the Bayesian information criterion prefers the model with the candidate, on training \
-             data; the best {} of {}. A difference of 3 in ΔBIC / 2 means odds of e³ = 20 to 1; \
-             a candidate whose simulation is no better counts as no more probable than no effect.",
+             data; the best {} of {}. A difference of 6 in ΔBIC means odds of e³ = 20 to 1. No better: with the candidate the \
+             simulation error is no lower, so that it is no more probable than no effect, whatever its ΔBIC.",
             shown.len(),
             diagnosis.ranking.len()
         ))
         .with_panel(panel);
     Some(figure)
 }
+
+/// The probability of a candidate in a label; of one that does not lower the simulation error, these words.
+fn probability(candidate: &CandidateStudy) -> String {
+    match candidate.no_better {
+        true => NO_BETTER.to_owned(),
+        false => format::probability(candidate.probability),
+    }
+}
+
+const NO_BETTER: &str = "no better";
 
 fn summary(diagnosis: &DiagnosisStudy) -> Block {
     let found: Vec<String> = diagnosis.found.iter().map(|id| words::effect_in_text(id)).collect();
@@ -114,25 +130,49 @@ fn summary(diagnosis: &DiagnosisStudy) -> Block {
         let order = if found.len() > 1 { "Found, in this order: " } else { "Found: " };
         Text::from(order).strong(words::list(&found)).plain(".")
     };
-    let left = diagnosis.errors.unexplained();
-    let text = if left.is_finite() {
-        text.plain(format!(
-            " {} of the error above the noise floor remains unexplained.",
-            format::percent(left)
-        ))
-    } else {
-        text
-    };
-    Block::Paragraph(text.plain(format!(
+    let left = left(diagnosis).map_or_else(String::new, |left| format!(" {left}"));
+    Block::Paragraph(text.plain(left).plain(format!(
         " If nothing is missing, an effect is found in at most {} of experiments (false alarms).",
         format::percent(diagnosis.false_alarm)
     )))
 }
 
-/// Candidates, the most probable first; equally probable ones in the order of the screening.
+/// What remains of the error above the noise floor, as the verdict has it.
+fn left(diagnosis: &DiagnosisStudy) -> Option<String> {
+    let errors = &diagnosis.errors;
+    if explainable(errors.before, errors.floor).is_none() {
+        return Some("There is no error above the noise floor to explain.".to_owned());
+    }
+    let share = Some(errors.unexplained()).filter(|share| share.is_finite())?;
+    if share == 0.0 {
+        return Some("No error above the noise floor remains.".to_owned());
+    }
+    let share = match format::percent(share) {
+        small if small.starts_with('<') => small.replacen('<', "Less than", 1),
+        share => share,
+    };
+    let error = "of the mean square error above the noise floor";
+    match (diagnosis.found.is_empty(), caused(errors)) {
+        // the verdict states what the error is compared with
+        (true, _) if diagnosis.verdict == Verdict::ModelSufficient => None,
+        (_, Some(cause))
+            if diagnosis.verdict == Verdict::EffectsMissing
+                && errors.ratio() > THRESHOLDS.at_floor =>
+        {
+            Some(format!("{share} {error} remains, {cause}."))
+        }
+        _ => Some(format!("{share} {error} remains unexplained.")),
+    }
+}
+
+/// Candidates, the most probable first, those that are no better last; equally probable ones by their ΔBIC.
 fn by_probability(ranking: &[CandidateStudy]) -> Vec<&CandidateStudy> {
     let mut sorted: Vec<&CandidateStudy> = ranking.iter().collect();
-    sorted.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let key = |c: &CandidateStudy| (!c.no_better, c.probability);
+    sorted.sort_by(|a, b| {
+        let ((better, p), (other, q)) = (key(a), key(b));
+        other.cmp(&better).then(q.total_cmp(&p)).then(b.delta_bic.total_cmp(&a.delta_bic))
+    });
     sorted
 }
 
@@ -148,7 +188,11 @@ fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
         .plain(" (")
         .code(&candidate.effect)
         .plain(match is_compared(candidate) {
-            true => format!("), probability {}: ", format::probability(candidate.probability)),
+            true if candidate.no_better => "), no better in simulation: ".into(),
+            true => format!(
+                "), probability among the candidates {}: ",
+                format::probability(candidate.probability)
+            ),
             false => "), without a probability, since its fit could not be compared: ".into(),
         })
         .plain(format!("{}.", evidence(candidate, errors)));
@@ -187,7 +231,7 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
     let columns = vec![
         Column::text("Effect"),
         Column::number("Probability", ""),
-        Column::number("p (not fitted)", ""),
+        Column::number("p on data not fitted", ""),
         Column::number("ΔBIC", ""),
         Column::number("2 s simulation error", "rad/s"),
         Column::number("Quality index", "rad²/s"),
@@ -202,7 +246,9 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
         )
     });
     let caption = format!(
-        "The fitted candidates, best first, each added separately; errors with it on {} data, green if at least 1 % lower than without it.{before}",
+        "The fitted candidates, best first, each added separately: probability among the candidates (a dash where the \
+         simulation is no better or the fit could not be compared), p-value of the fall of the error on data that it was not \
+         fitted to; errors with it on {} data, green if at least 1 % lower than without it.{before}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -214,9 +260,13 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
         let window_after = digits(window_after);
         table.push(vec![
             Cell::text(words::effect(&c.effect)).noted(equivalents(c)),
-            Cell::formatted(format::probability(c.probability), c.probability).bar(c.probability),
+            match is_compared(c) && !c.no_better {
+                true => Cell::formatted(format::probability(c.probability), c.probability)
+                    .bar(c.probability),
+                false => Cell::formatted(format::MISSING, f64::NAN),
+            },
             Cell::p_value(c.p_value),
-            digits(c.delta_bic),
+            digits(if is_compared(c) { c.delta_bic } else { f64::NAN }),
             if better { window_after.tone(Tone::Good) } else { window_after },
             digits(after(|j| j.ise)),
             Cell::formatted(format::significant(c.torque_rms, 2), c.torque_rms),
@@ -252,7 +302,7 @@ fn ruled_out(ranking: &[CandidateStudy]) -> Option<Block> {
         .collect();
     (!names.is_empty()).then(|| {
         Block::paragraph(format!(
-            "Ruled out by the screening, before a fit (each of probability < 0.1 %): {}.",
+            "Ruled out by the screening, before a fit: {}.",
             words::list(&names)
         ))
     })

@@ -98,7 +98,7 @@ fn row(e: &Estimate) -> Vec<Cell> {
     } else {
         let (low, high) = e.interval;
         let text = match (low.is_finite(), high.is_finite()) {
-            (true, true) => interval(low, high),
+            (true, true) => format::interval((low, high), e.value, e.std_error),
             _ => format::NOT_IDENTIFIABLE.to_owned(),
         };
         Cell::formatted(text, high - low)
@@ -111,28 +111,6 @@ fn row(e: &Estimate) -> Vec<Cell> {
         interval,
         Cell::text(words::unit(&e.unit)),
     ]
-}
-
-/// "[0.119, 0.127]" to the digits in which the two ends differ, followed by a common power of ten.
-pub(super) fn interval(low: f64, high: f64) -> String {
-    let width = high - low;
-    let size = low.abs().max(high.abs());
-    let digits =
-        if width > 0.0 { (size / width).log10().ceil().clamp(0.0, 9.0) as usize + 2 } else { 4 };
-    let exponent = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
-    let ends = |power: i32| {
-        // both ends to the same decimal place
-        let decimals = (digits as i32 - 1 - (exponent - power)).max(0) as usize;
-        let end = |v: f64| format::fixed(v / 10f64.powi(power), decimals);
-        format!("[{}, {}]", end(low), end(high))
-    };
-    if width == 0.0 {
-        return format!("[{0}, {0}]", format::number(low));
-    }
-    if (-2..5).contains(&exponent) {
-        return ends(0);
-    }
-    format!("{} × {}", ends(exponent), format::power_of_ten(exponent))
 }
 
 /// The true value, and the deviation of the estimate from it; above three standard errors it is marked.
@@ -151,16 +129,6 @@ pub(super) fn against_truth(e: &Estimate, truth: Option<f64>) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_interval_shows_the_digits_in_which_its_ends_differ() {
-        assert_eq!(interval(0.031_871, 0.031_912), "[0.031871, 0.031912]");
-        assert_eq!(interval(-1.0, 3.0), "[−1.0, 3.0]");
-        assert_eq!(interval(-6.44e-3, -3.81e-6), "[−6.44, 0.00] × 10⁻³");
-        assert_eq!(interval(0.1245, 0.125_23), "[0.12450, 0.12523]");
-        assert_eq!(interval(2.77e-4, 3.12e-4), "[2.77, 3.12] × 10⁻⁴");
-        assert_eq!(interval(0.0, 0.0), "[0, 0]");
-    }
 
     #[test]
     fn an_error_beyond_three_standard_errors_is_marked() {

@@ -2,11 +2,12 @@
 
 use super::estimates::{figures as traces, truth};
 use super::{Depth, Section, words};
+use crate::diagnose::THRESHOLDS;
 use crate::identify::Status;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
-use crate::study::{MethodStudy, Performance, Role, Study};
+use crate::study::{MethodStudy, Performance, RecordingStudy, Role, Study};
 
 /// The methods side by side: errors, estimates, status, notes.
 #[derive(Default)]
@@ -14,6 +15,9 @@ pub struct Methods;
 
 /// A method with an error within this factor of the lowest is mentioned with it.
 const AS_GOOD: f64 = 1.01;
+/// A method with an error above the lowest by more than this factor is reported as worse (judgement: as far as a model may be
+/// from the noise floor).
+const FAR: f64 = THRESHOLDS.above_floor;
 
 impl Section for Methods {
     fn id(&self) -> &'static str {
@@ -83,7 +87,7 @@ fn judged_sum(study: &Study, method: &MethodStudy, value: fn(&Performance) -> f6
 /// Quality index due to the noise of the measured speeds alone, over the judged recordings [rad^2/s].
 fn sensor_noise(study: &Study) -> f64 {
     let judged = study.judged().into_iter().map(|r| &study.recordings[r]);
-    judged.map(|r| r.noise.omega.iter().map(|s| s * s).sum::<f64>() * r.duration_s).sum()
+    judged.map(RecordingStudy::ise_of_sensors).sum()
 }
 
 fn table(study: &Study) -> Table {
@@ -95,8 +99,10 @@ fn table(study: &Study) -> Table {
         Column::number("2 s simulation error", "rad/s"),
         Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
-        Column::number("ISE validation", "rad²/s"),
     ];
+    if held_out(study) {
+        columns.push(Column::number("ISE validation", "rad²/s"));
+    }
     if study.emulated {
         columns.push(Column::number("Emulator, parallel", "rad²/s"));
         columns.push(Column::number("Emulator, serial-parallel", "rad²/s"));
@@ -115,9 +121,16 @@ fn table(study: &Study) -> Table {
     } else {
         String::new()
     };
+    let on = if held_out(study) { "training and validation" } else { "training" };
+    let drift = match study.recordings.iter().any(RecordingStudy::drifts) {
+        true => {
+            " Drift: noise of the input makes a free simulation of a correct model drift; its floor is the mean over many \
+             such runs, and a single one may be far below."
+        }
+        false => "",
+    };
     let caption = format!(
-        "Methods. 2 s simulation error on {} data; ISE of the free simulation on training and validation \
-         data.{emulators}{error}",
+        "Methods. 2 s simulation error on {} data; ISE of the free simulation on {on} data.{drift}{emulators}{error}",
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -145,8 +158,10 @@ fn row(study: &Study, method: &MethodStudy, is_reference: bool) -> Vec<Cell> {
         digits(rms),
         digits(ratio),
         digits(ise(Role::Train)),
-        digits(ise(Role::Validation)),
     ];
+    if held_out(study) {
+        row.push(digits(ise(Role::Validation)));
+    }
     if study.emulated {
         row.push(digits(judged_sum(study, method, |p| p.ise_parallel)));
         row.push(digits(judged_sum(study, method, |p| p.ise_serial_parallel)));
@@ -180,15 +195,46 @@ fn parameter_error(study: &Study, method: &MethodStudy) -> f64 {
 }
 
 fn floor_row(study: &Study) -> Vec<Cell> {
-    let ise = |role| sum(study, role, |r| Some(study.recordings[r].floor.ise.iter().sum()));
-    vec![
+    let ise = |role| {
+        let value = sum(study, role, |r| Some(study.recordings[r].floor.ise.iter().sum()));
+        let drifts = study.recordings.iter().any(|r| r.role == role && r.drifts());
+        digits(value).noted(if drifts { "drift" } else { "" })
+    };
+    let mut row = vec![
         Cell::text("noise floor").strong(),
         Cell::text(""),
         digits(study.judged_floor()),
         digits(1.0),
-        digits(ise(Role::Train)),
-        digits(ise(Role::Validation)),
-    ]
+        ise(Role::Train),
+    ];
+    if held_out(study) {
+        row.push(ise(Role::Validation));
+    }
+    row
+}
+
+/// Whether there are validation recordings.
+fn held_out(study: &Study) -> bool {
+    study.recordings.iter().any(|r| r.role == Role::Validation)
+}
+
+/// States of a method that another one is better on the same recordings: its intervals do not show this.
+fn worse(study: &Study, method: &MethodStudy) -> Option<String> {
+    let error = |m: &MethodStudy| match m.performance.is_empty() {
+        true => f64::NAN,
+        false => study.judged_window_rms(m),
+    };
+    let physical = study.methods.iter().filter(|m| !m.estimates.is_empty());
+    let finite = physical.filter(|m| error(m).is_finite());
+    let best = finite.min_by(|a, b| error(a).total_cmp(&error(b)))?;
+    let ratio = error(method) / error(best);
+    let is_far = ratio.is_finite() && ratio > FAR && !method.estimates.is_empty();
+    is_far.then(|| {
+        let (times, best) = (format::significant(ratio, 2), words::method(study, best));
+        format!(
+            ": Its 2 s simulation error is {times} times that of {best} on the same recordings; prefer the estimates of {best}."
+        )
+    })
 }
 
 /// 2 s simulation error of every method, with the noise floor.
@@ -243,7 +289,8 @@ fn remarks(study: &Study) -> Vec<Text> {
     let mut remarks: Vec<(String, Vec<String>)> = Vec::new();
     for method in &study.methods {
         let failure = method.failure.iter().map(|reason| format!(" failed: {reason}"));
-        for note in failure.chain(method.notes.iter().map(|note| format!(": {note}"))) {
+        let notes = method.notes.iter().map(|note| format!(": {note}"));
+        for note in failure.chain(notes).chain(worse(study, method)) {
             let name = words::method(study, method);
             match remarks.iter_mut().find(|(said, _)| *said == note) {
                 Some((_, names)) => names.push(name),

@@ -1,7 +1,8 @@
 //! The parameters of the models of the verdict, without and with the effects found.
 
-use super::estimates::{interval, truth};
+use super::estimates::truth;
 use super::{Section, words};
+use crate::diagnose::INPUT_SHIFT;
 use crate::identify::Estimate;
 use crate::report::block::{Block, Cell, Column, Table, Tone};
 use crate::report::format;
@@ -75,18 +76,34 @@ fn columns(study: &Study) -> Vec<Column> {
 fn cells(study: &Study, row: &ParameterStudy) -> Vec<Cell> {
     let symbol = &row.estimate.symbol;
     let known = truth(study, symbol);
+    // a time of milliseconds
+    let (factor, unit) = match symbol == INPUT_SHIFT {
+        true => (1e3, "ms".to_owned()),
+        false => (1.0, words::unit(&row.estimate.unit)),
+    };
     let mut out = vec![Cell::text(symbol).strong(), Cell::text(&row.meaning)];
     for model in [&study.given, &study.completed].into_iter().flatten() {
         match model.parameter(symbol) {
-            Some(p) => out.push(value(&p.estimate, known)),
+            Some(p) => out.push(value(&times(&p.estimate, factor), known)),
             None => out.push(Cell::text(format::MISSING)),
         }
     }
     if !study.truth.is_empty() {
         out.push(known.map_or_else(|| Cell::text(""), Cell::number));
     }
-    out.push(Cell::text(words::unit(&row.estimate.unit)));
+    out.push(Cell::text(unit));
     out
+}
+
+/// An estimate in a smaller unit.
+fn times(e: &Estimate, factor: f64) -> Estimate {
+    let (low, high) = e.interval;
+    Estimate {
+        value: factor * e.value,
+        std_error: factor * e.std_error,
+        interval: (factor * low, factor * high),
+        ..e.clone()
+    }
 }
 
 /// A value with its interval below.
@@ -101,5 +118,5 @@ fn value(e: &Estimate, known: Option<f64>) -> Cell {
     }
     let far = known.is_some_and(|v| (e.value - v).abs() > FAR * e.std_error);
     let estimate = if far { estimate.tone(Tone::Bad) } else { estimate };
-    estimate.noted(interval(low, high))
+    estimate.noted(format::interval(e.interval, e.value, e.std_error))
 }

@@ -39,9 +39,7 @@ impl Section for Provenance {
             fact("Seed", study.seed.to_string());
         }
         if let Some(files) = &study.model_out {
-            let by = study.reference_method().map(|m| words::method(study, m));
-            let by = by.map_or_else(String::new, |name| format!(" Fitted by {name}."));
-            fact("Identified model", format!("{}{by}", files.words()));
+            fact("Identified model", format!("{}{}", files.words(), identified(study)));
         }
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {
@@ -70,5 +68,18 @@ impl Section for Provenance {
         };
         blocks.push(Block::paragraph(repeat.plain(".")));
         blocks
+    }
+}
+
+/// Which model the files contain: that of the file, not the one with the effects found.
+fn identified(study: &Study) -> String {
+    let Some(method) = study.reference_method() else { return String::new() };
+    let by = words::method(study, method);
+    match study.diagnosis.as_ref().map_or(&[][..], |d| &d.found) {
+        [] => format!("; fitted by {by}"),
+        _ => {
+            let (model, found) = (words::fitted(study), words::found(study));
+            format!("; {model}, without {found}, fitted by {by}")
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use super::{Depth, Section, listed, words};
 use crate::diagnose::Timing;
+use crate::identify::Note;
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::verdict::shifts_input;
-use crate::report::{dead_time, dead_time_advice, format};
+use crate::report::{dead_time, dead_time_advice, dead_time_name, dead_time_with, format};
 use crate::study::{RecordingStudy, Study};
 
 /// The recordings, with findings of conditioning and quality check.
@@ -34,8 +35,8 @@ impl Section for Recordings {
             return vec![];
         }
         let columns = vec![
-            Column::text("Use"),
             Column::text("Recording"),
+            Column::text("Use"),
             Column::number("Samples", ""),
             Column::number("Duration", "s"),
             Column::number("Rate", "Hz"),
@@ -54,9 +55,7 @@ impl Section for Recordings {
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
         blocks.extend(conditioning(study, &shown));
-        let timing =
-            study.timing.map(|t| format!("Dead time: {}{}.", dead_time(&t), decided(study, &t)));
-        blocks.extend(timing.map(Block::paragraph));
+        blocks.extend(study.timing.map(|timing| Block::paragraph(timed(study, &timing))));
         let groups = study.findings();
         let remarks = groups.len();
         let findings: Vec<Text> = groups
@@ -111,8 +110,8 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
     };
     let floor = r.floor.ise[0] + r.floor.ise[1];
     vec![
-        Cell::text(r.role.name()),
         Cell::text(&r.file),
+        Cell::text(r.role.name()),
         Cell::count(r.samples),
         Cell::number(r.duration_s),
         Cell::number(r.rate_hz),
@@ -120,9 +119,41 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
         measured(r.measured.omega, r.noise.omega),
         pair(r.noise.torque),
         Cell::formatted(format::digits(r.floor.window_rms, 3), r.floor.window_rms),
-        Cell::formatted(format::digits(floor, 3), floor),
+        Cell::formatted(format::digits(floor, 3), floor).noted(if r.drifts() {
+            "drift"
+        } else {
+            ""
+        }),
     ]
 }
+
+/// The time between input and motion, by the last model.
+fn timed(study: &Study, timing: &Timing) -> String {
+    let text = match &study.timing_as_given {
+        Some(before) => dead_time_with(&words::found(study), timing, before),
+        None => dead_time(timing) + &decided(study, timing) + &by_filter(study, timing),
+    };
+    format!("{}: {text}.", dead_time_name(timing))
+}
+
+/// The same time by a method that estimates what is left of it in the corrected recordings.
+fn by_filter(study: &Study, timing: &Timing) -> String {
+    if timing.correction_s == 0.0 {
+        return String::new();
+    }
+    let left = study.methods.iter().find_map(|method| {
+        let left = method.notes.iter().find_map(|note| match *note {
+            Note::InputShift(left, error) => Some((left, error)),
+            _ => None,
+        })?;
+        Some((words::method(study, method), left))
+    });
+    left.map_or_else(String::new, |(method, (left, error))| {
+        let all = format::fixed(1e3 * (timing.correction_s + left), 1);
+        format!("; {method} finds {all} ± {} ms in all", format::fixed(1e3 * error, 1))
+    })
+}
+
 /// What became of a dead time that logging does not explain.
 fn decided(study: &Study, timing: &Timing) -> String {
     match &study.diagnosis {

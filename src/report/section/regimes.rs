@@ -24,8 +24,8 @@ impl Section for Regimes {
 
     fn how_to_read(&self) -> &'static str {
         "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
-         into the next until the simulation of 2 s ends; a star marks where the mean residual torque is \
-         significant at 5 % after correction for multiple tests (Holm)."
+         into the next until the simulation of 2 s ends; a star marks where the error is above 1.2 times the floor and the mean \
+         residual torque is significant at 5 % after correction for multiple tests (Holm)."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -41,53 +41,48 @@ impl Section for Regimes {
     }
 }
 
-fn title(study: &Study, models: &[(String, &[Failure])]) -> String {
-    let worst = |failures: &[Failure]| -> Option<String> {
-        let significant = failures.iter().filter(|f| f.significant);
-        let worst = significant.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise))?;
-        Some(format!(
-            "{} ({} wheel)",
-            words::regime(worst.regime),
-            words::SIDES[worst.wheel.saturating_sub(1).min(1)]
-        ))
+fn title(models: &[(String, &[Failure])]) -> String {
+    let words = |(name, failures): &(String, &[Failure])| match models.len() {
+        1 => format::capital(&of_model(failures)),
+        _ => format!("{name}: {}", of_model(failures)),
     };
-    let Some((_, last)) = models.last() else { return String::new() };
-    match (worst(models[0].1), worst(last)) {
-        (Some(before), None) if models.len() > 1 => format!(
-            "The {} fails most clearly in: {before}; with {} {}",
-            words::given(study),
-            words::found(study),
-            left(last)
-        ),
-        (_, Some(worst)) if models.len() > 1 => {
-            format!(
-                "{} the model still fails most clearly in: {worst}",
-                format::capital(&words::added(study))
-            )
-        }
-        (_, Some(worst)) => format!("The model fails most clearly in: {worst}"),
-        (None, None) if models.len() > 1 => format!(
-            "{}: {}; {}: {}",
-            format::capital(&words::given(study)),
-            left(models[0].1),
-            words::added(study),
-            left(last)
-        ),
-        (_, None) => format::capital(&left(last)),
-    }
+    format::capital(&models.iter().map(words).collect::<Vec<_>>().join("; "))
 }
 
-/// Remark if the residual torque is significant in no regime, which does not prove a small error.
-fn left(failures: &[Failure]) -> String {
+/// Where the residual torque is significant, and where the error is largest: one regime may show the cause, and another
+/// one the larger error, which earlier motion brings there.
+fn of_model(failures: &[Failure]) -> String {
+    let place = |f: &Failure| {
+        let side = words::SIDES[f.wheel.saturating_sub(1).min(1)];
+        format!("{} ({side} wheel)", words::regime(f.regime))
+    };
+    let times = |f: &Failure| format::significant(f.ratio_to_noise, 2);
+    let significant = failures.iter().filter(|f| f.significant);
+    let clearest = significant.min_by(|a, b| {
+        a.p_value.total_cmp(&b.p_value).then(b.ratio_to_noise.total_cmp(&a.ratio_to_noise))
+    });
     let ratios = failures.iter().filter(|f| f.ratio_to_noise.is_finite());
     let largest = ratios.max_by(|a, b| a.ratio_to_noise.total_cmp(&b.ratio_to_noise));
-    match largest.filter(|f| f.ratio_to_noise > THRESHOLDS.above_floor) {
-        Some(f) => format!(
+    let largest = largest.filter(|f| f.ratio_to_noise > THRESHOLDS.above_floor);
+    match (clearest, largest) {
+        (None, None) => "no regime stands out".to_owned(),
+        // which does not prove a small error
+        (None, Some(f)) => format!(
             "no regime has a significant residual torque, but the error is up to {} times the floor ({})",
-            format::significant(f.ratio_to_noise, 2),
+            times(f),
             words::regime(f.regime)
         ),
-        None => "no regime stands out".to_owned(),
+        (Some(f), Some(most)) if !std::ptr::eq(f, most) => format!(
+            "significant residual torque, most clearly in {}; largest error, {} times the floor, in {}",
+            place(f),
+            times(most),
+            place(most)
+        ),
+        (Some(f), _) => format!(
+            "significant residual torque, most clearly in {}, with an error of {} times the floor",
+            place(f),
+            times(f)
+        ),
     }
 }
 
@@ -98,12 +93,12 @@ fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
         .collect();
     let all = models.iter().flat_map(|m| m.1).map(|f| f.ratio_to_noise);
     let most = all.filter(|v| v.is_finite()).fold(2.0, f64::max);
-    let mut figure = Figure::new("regimes", title(study, models))
+    let mut figure = Figure::new("regimes", title(models))
         .with_subtitle(format!("2 s simulation error over noise floor, {} data", study.judged_words()))
         .with_caption(
             "Root mean square 2 s simulation error by regime of driving and wheel, over that of the noise \
              floor of the recording: where recordings differ in their floors, ratios differ from that of all \
-             together. A star: the residual torque is significant.",
+             together. A star: the residual torque is significant, and the error above 1.2 times the floor.",
         )
         .with_columns(models.len());
     for (name, failures) in models {
@@ -143,11 +138,11 @@ fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
     figure
 }
 
-/// The p-value of a regime; a dash where its blocks are too few for a test.
-fn tested(failure: &Failure) -> Cell {
+/// The residual torque of a regime and its p-value; dashes where its blocks are too few for a test.
+fn tested(failure: &Failure) -> [Cell; 2] {
     match failure.p_value {
-        1.0 => Cell::text(format::MISSING),
-        p => Cell::p_value(p),
+        1.0 => [0, 1].map(|_| Cell::formatted(format::MISSING, f64::NAN)),
+        p => [Cell::estimate(failure.torque, failure.std_error), Cell::p_value(p)],
     }
 }
 
@@ -162,13 +157,13 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
         columns.push(Column::number("p, one regime", ""));
     }
     let caption = format!(
-        "Driving regimes on {} data, those with a significant residual torque first, then by the ratio of \
-         error to noise: share of the summed squared 2 s simulation error, and the mean residual torque ± \
-         standard error (over blocks of 1 s), with its p-value, not corrected for the number of regimes; a \
-         dash near rest, or where blocks are too few for a test.",
+        "Driving regimes on {} data, those with a significant residual torque and an error above 1.2 times the floor (marked) \
+         first, then by the ratio of error to noise: share of the summed squared 2 s simulation error, and the mean \
+         residual torque ± standard error (over blocks of 1 s), with its p-value, not corrected for the number of regimes; a \
+         dash where fewer than four blocks are in motion.",
         study.judged_words()
     );
-    let mut table = Table::new(caption, columns);
+    let mut table = Table::new(caption, columns).with_heads(2);
     for first in models[0].1 {
         let mut row = vec![
             Cell::text(words::regime(first.regime)),
@@ -183,9 +178,8 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
                 Cell::formatted(format::percent(f.share_of_ise), f.share_of_ise)
                     .bar(f.share_of_ise),
                 if f.significant { over.tone(Tone::Bad) } else { over },
-                Cell::estimate(f.torque, f.std_error),
-                tested(f),
             ]);
+            row.extend(tested(f));
         }
         table.push(row);
     }

@@ -77,21 +77,23 @@ fn title(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Str
 }
 
 /// How many correlations are outside their bounds, and how the errors are computed.
-fn caption(given: &Whiteness, completed: Option<&Whiteness>) -> String {
+fn caption(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> String {
     let (last, all) = outside(completed.unwrap_or(given));
     let expected = (0.01 * all as f64).ceil();
+    let (name, added) = (words::given(study), words::added(study));
     let outside_of = match completed {
-        Some(_) => format!("{} and {last} are", outside(given).0),
+        Some(_) => format!("{} ({name}) and {last} ({added}) are", outside(given).0),
         None if last == 1 => "one is".to_owned(),
         None => format!("{last} are"),
     };
+    let of_last = if completed.is_some() { format!("{added}, ") } else { String::new() };
     format!(
         "Right wheel solid, left wheel dotted; shaded: 99 % bounds. With white errors {expected:.0} of {all} \
          correlations are expected outside; here {outside_of}. Errors over one sample show noise and sampling of the \
          input as correlation, which the noise floor of a simulation of 2 s contains: a model at its floor may \
          leave small ones. The noise of the filter is computed from the channels themselves, \
          so that it cannot absorb missing effects. Errors are divided by the standard deviation that \
-         the filter predicts (RMS here: {}).",
+         the filter predicts (RMS here: {of_last}{}).",
         rms(completed.unwrap_or(given))
     )
 }
@@ -103,7 +105,7 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
             "Prediction errors of the {predicted} by the Kalman filter over one sample, on {} data",
             study.judged_words()
         ))
-        .with_caption(caption(given, completed))
+        .with_caption(caption(study, given, completed))
         .with_columns(2)
         .interactive()
         .with_height(470.0);
@@ -136,7 +138,8 @@ fn figure(study: &Study, given: &Whiteness, completed: Option<&Whiteness>) -> Fi
 }
 
 fn rms(w: &Whiteness) -> String {
-    w.mean_square.map(|m| format::digits(m.sqrt(), 2)).join(" / ")
+    let [right, left] = w.mean_square.map(|m| format::digits(m.sqrt(), 2));
+    format!("right {right}, left {left}")
 }
 
 type Models<'a> = [(&'a Whiteness, String, ColourRole)];

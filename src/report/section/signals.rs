@@ -26,7 +26,7 @@ impl Section for Signals {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Input and speeds as used in the fit, after conditioning, and the path computed from the wheel angles."
+        "Input and speeds as used in the fit, after conditioning, and, if the dimensions of the robot are known, its path."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {

@@ -1,6 +1,7 @@
 //! The error as effects are added, compared with the noise floor.
 
 use super::{Section, words};
+use crate::diagnose::explainable;
 use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
@@ -20,8 +21,8 @@ impl Section for Staircase {
     }
 
     fn how_to_read(&self) -> &'static str {
-        "Each bar is the error of a model with one more effect; the dashed line is the noise floor: a \
-         correct model falls below it only by chance."
+        "Each bar is the error of a model with one more effect; the dashed line is the noise floor, which a correct model \
+         reaches to within the uncertainty of the floor (20 %)."
     }
 
     fn blocks(&self, study: &Study) -> Vec<Block> {
@@ -78,9 +79,11 @@ struct Stair {
 }
 
 impl Stair {
-    /// Mean square error above noise.
-    fn excess(&self) -> f64 {
-        self.error * self.error - self.floor * self.floor
+    /// Mean square error above noise, as a share of that of the `first` model; `None` where that has nothing to explain.
+    fn left_of(&self, first: &Self) -> Option<f64> {
+        let [own, floor] = [self.error, self.floor].map(|v| v * v);
+        let whole = explainable(first.error.powi(2), first.floor.powi(2))?;
+        Some(((own - floor) / whole).max(0.0))
     }
 }
 
@@ -131,7 +134,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
 fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
     let caption = format!(
         "{lead}. Remaining: mean square 2 s simulation error above the noise floor, as a share of that \
-         of the first model; the quality index is that of the free simulation. On {} data.",
+         of the first model (a dash where that is at the floor); the quality index is that of the free simulation. On {} data.",
         study.judged_words()
     );
     let columns = vec![
@@ -142,18 +145,15 @@ fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
         Column::number("Quality index", "rad²/s"),
     ];
     let mut table = Table::new(caption, columns);
-    let whole = stairs.first().map_or(f64::NAN, Stair::excess);
     for stair in stairs {
-        let left = (stair.excess() / whole).max(0.0);
         let ratio = stair.error / stair.floor;
         table.push(vec![
             Cell::text(&stair.name),
             Cell::formatted(format::digits(stair.error, 3), stair.error),
             Cell::formatted(format::digits(ratio, 3), ratio),
-            if whole > 0.0 {
-                Cell::formatted(format::percent(left), left).bar(left)
-            } else {
-                Cell::text(format::MISSING)
+            match stair.left_of(&stairs[0]) {
+                Some(left) => Cell::formatted(format::percent(left), left).bar(left),
+                None => Cell::text(format::MISSING),
             },
             Cell::number(stair.ise),
         ]);

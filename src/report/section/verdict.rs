@@ -6,9 +6,9 @@ use crate::diagnose::THRESHOLDS;
 use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
-use crate::report::verdict::sentences;
+use crate::report::verdict::{recommends, sentences};
 use crate::report::{format, not_determined, recommendation};
-use crate::study::{self, Grade, MethodStudy, Role, Study};
+use crate::study::{self, DiagnosisStudy, Grade, MethodStudy, Role, Study};
 
 /// The missing effects, with the errors as evidence and the recommended next recording.
 #[derive(Default)]
@@ -42,6 +42,9 @@ impl Section for Verdict {
     }
 }
 
+/// Number of issues of the recordings that are stated below the verdict.
+const STATED: usize = 3;
+
 fn finding(study: &Study) -> Block {
     let Some(model) = study.last_model() else {
         let reasons = study.methods.iter().filter_map(|m| Some(m.failure.as_ref()?.to_string()));
@@ -49,7 +52,7 @@ fn finding(study: &Study) -> Block {
         return Block::verdict(Tone::Bad, "No method has a fit, so there is no verdict.", detail);
     };
     let (tone, sentences) = match &study.diagnosis {
-        Some(diagnosis) => (tone(diagnosis.verdict), sentences(diagnosis)),
+        Some(diagnosis) => (tone(diagnosis), sentences(diagnosis)),
         None => {
             let (tone, sentence) = compared(study, study.error_of(model));
             (tone, vec![sentence])
@@ -91,11 +94,8 @@ fn numbers(study: &Study) -> Option<Block> {
     };
     let share = format::percent(error / study.top_speed());
     let (holds, meaning) = match error < study::FAR_BELOW_FLOOR * floor {
-        true => (
-            "an upper bound that includes the input between its rows",
-            "its error is below the bound from noise and sampling",
-        ),
-        false => ("the error due to noise alone", means(grade)),
+        true => ("an upper bound from noise and sampling", "its error is below that bound"),
+        false => ("the error expected from noise alone", means(grade)),
     };
     let meaning = match study.undetermined() {
         Some(_) => "its parameters cannot be determined from these recordings",
@@ -104,6 +104,10 @@ fn numbers(study: &Study) -> Option<Block> {
     let judged = format!("on {} data; {holds}", study.judged_words());
     let is = match &study.completed {
         Some(_) => format!("{} the model is", format::capital(&words::added(study))),
+        // another fit of the model is at the floor
+        None if study.diagnosis.as_ref().is_some_and(|d| d.at_floor.is_some()) => {
+            "As fitted by the diagnosis, the model is".to_owned()
+        }
         None => "The model is".to_owned(),
     };
     Some(Block::Numbers(vec![
@@ -130,8 +134,9 @@ fn means(grade: Grade) -> &'static str {
     }
 }
 
-fn tone(verdict: study::Verdict) -> Tone {
-    match verdict {
+fn tone(diagnosis: &DiagnosisStudy) -> Tone {
+    match diagnosis.verdict {
+        study::Verdict::ModelSufficient if diagnosis.is_open() => Tone::Neutral,
         study::Verdict::ModelSufficient => Tone::Good,
         study::Verdict::EffectsMissing | study::Verdict::EffectLikely => Tone::Notice,
         study::Verdict::UnknownEffect => Tone::Bad,
@@ -181,15 +186,18 @@ fn compared(study: &Study, error: f64) -> (Tone, String) {
 /// Cautions for the use of the verdict.
 fn cautions(study: &Study) -> Vec<Block> {
     let mut blocks = Vec::new();
-    let mut notice = |sentence: String, detail: &str| {
+    let mut notice = |sentence: String, detail: Text| {
         blocks.push(Block::verdict(Tone::Notice, sentence, detail));
     };
     if !study.recordings.iter().any(|r| r.role == Role::Validation) {
         notice(
             "No validation recording is given: the model is judged on the data it was fitted to."
                 .to_owned(),
-            "A model with enough parameters fits its training data whether it is correct or not. Name a recording under \
-             `validation`.",
+            Text::from(
+                "A model with enough parameters fits its training data whether it is correct or not. Name a recording under ",
+            )
+            .code("validation")
+            .plain("."),
         );
     }
     // with a diagnosis the verdict is based on its own fits
@@ -209,7 +217,7 @@ fn cautions(study: &Study) -> Vec<Block> {
             study.methods.len(),
             words::list(&failed)
         );
-        notice(sentence, "The reasons are listed with the methods, below.");
+        notice(sentence, "The reasons are listed with the methods, below.".into());
     }
     if let Some(timing) = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late()) {
         let sentence = format!(
@@ -217,28 +225,34 @@ fn cautions(study: &Study) -> Vec<Block> {
              represents it as an input delay.",
             format::fixed(1e3 * timing.dead_time_s, 1)
         );
-        notice(sentence, "A diagnosis distinguishes an input delay from an actuator lag.");
+        notice(sentence, "A diagnosis distinguishes an input delay from an actuator lag.".into());
     }
-    let found = study.findings().len();
-    if found > 0 {
-        let sentence = match found {
+    let found = study.findings();
+    if !found.is_empty() {
+        let sentence = match found.len() {
             1 => "The check of the recordings found one issue.".to_owned(),
             many => format!("The check of the recordings found {many} issues."),
         };
-        notice(sentence, "See Recordings, below.");
+        // the section on the recordings is not printed
+        let mut said: Vec<String> =
+            found.iter().take(STATED).map(|(files, issue)| format!("{files}: {issue}.")).collect();
+        if found.len() > STATED {
+            said.push("See Recordings, below, for the others.".to_owned());
+        }
+        notice(sentence, said.join(" ").into());
     }
     blocks
 }
 
 /// Cautions for the use of a fit: no convergence, parameters that are not identifiable.
-fn fit_cautions(study: &Study, method: &MethodStudy, notice: &mut impl FnMut(String, &str)) {
+fn fit_cautions(study: &Study, method: &MethodStudy, notice: &mut impl FnMut(String, Text)) {
     if method.failure.is_some() || method.status != Some(Status::Converged) {
         let sentence = format!(
             "The fit did not converge: {} {}.",
             words::method(study, method),
             words::status(method)
         );
-        notice(sentence, "Take its numbers as provisional; another method may converge.");
+        notice(sentence, "Take its numbers as provisional; another method may converge.".into());
     }
     let unknown: Vec<String> = method
         .estimates
@@ -248,7 +262,7 @@ fn fit_cautions(study: &Study, method: &MethodStudy, notice: &mut impl FnMut(Str
         .collect();
     if !unknown.is_empty() {
         let sentence = format!("Not identifiable from these data: {}.", words::list(&unknown));
-        notice(sentence, "The section on parameters states what to record or to fix.");
+        notice(sentence, "The section on parameters states what to record or to fix.".into());
     }
 }
 
@@ -271,23 +285,25 @@ fn next_step(study: &Study) -> Vec<Block> {
         blocks.push(Block::Paragraph(text.plain(".")));
     }
     if let Some(formula) = &diagnosis.formula {
-        let text = match study.invocation.has_file() {
+        let has_file = study.invocation.has_file();
+        blocks.push(Block::paragraph(match has_file {
             true => {
-                let text = Text::from(
-                    "To try the formula, copy it into the experiment file and run it again: the diagnosis then tests it \
-                     together with the catalogue. ",
-                );
-                add_command(study, &formula.id, text).plain(" adds it to the model.")
+                "To try the formula, copy it into the experiment file and run it again: the diagnosis then tests it \
+                 together with the catalogue."
             }
-            false => Text::from(
-                "To try the formula, add it to the model as an effect of your own; in an experiment file:",
-            ),
-        };
-        blocks.push(Block::Paragraph(text));
+            false => {
+                "To try the formula, add it to the model as an effect of your own; in an experiment file:"
+            }
+        }));
         blocks.push(Block::Code(formula.toml.clone()));
+        if has_file {
+            let text = add_command(study, &formula.id, Text::from("With the block in the file, "));
+            blocks.push(Block::Paragraph(text.plain(" adds it to the model.")));
+        }
     }
     if let Some(next) = recommendation(diagnosis) {
-        blocks.push(Block::paragraph(Text::default().strong("Next recording. ").plain(next)));
+        let heading = format!("{}. ", recommends(diagnosis));
+        blocks.push(Block::paragraph(Text::default().strong(heading).plain(next)));
     }
     blocks
 }

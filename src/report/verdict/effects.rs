@@ -92,13 +92,45 @@ fn by_logging(id: &str, logging: &Logging) -> String {
     held + sensor
 }
 
-/// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)".
+/// "f_t = 0.0202 N m (95 %: 0.0198 to 0.0206)", "c = 8.7 × 10⁻⁵ A s²/rad² (95 %: 4.6 to 12.8 × 10⁻⁵)".
 fn size(e: &Estimate) -> String {
     let (low, high) = e.interval;
-    // to the first digit of the standard error
-    let decimals = (-e.std_error.log10().floor()).clamp(0.0, 9.0) as usize;
-    let fixed = |v: f64| format::fixed(v, decimals);
+    let place = |v: f64| v.abs().log10().floor();
+    let exponent = place(e.value.abs().max(e.std_error));
+    // to the first digit of the standard error, and to two digits of the value
+    let last = place(e.std_error).min(exponent - 1.0);
+    let power = if (-3.0..5.0).contains(&exponent) { 0.0 } else { exponent };
+    let decimals = (power - last).clamp(0.0, 9.0) as usize;
+    let fixed = |v: f64| format::fixed(v / 10f64.powf(power), decimals);
+    let times = match power {
+        0.0 => String::new(),
+        power => format!(" × {}", format::power_of_ten(power as i32)),
+    };
     let unit = format::unit(&e.unit);
     let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") };
-    format!("{} = {}{unit} (95 %: {} to {})", e.symbol, fixed(e.value), fixed(low), fixed(high))
+    format!(
+        "{} = {}{times}{unit} (95 %: {} to {}{times})",
+        e.symbol,
+        fixed(e.value),
+        fixed(low),
+        fixed(high)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_the_digits_that_their_error_leaves() {
+        let of = |value, error, unit: &str| {
+            let interval = (value - 1.96 * error, value + 1.96 * error);
+            size(&Estimate { interval, ..Estimate::new("c", unit.to_owned(), value, error) })
+        };
+        assert_eq!(of(0.0202, 2e-4, "N m"), "c = 0.0202 N m (95 %: 0.0198 to 0.0206)");
+        let drag = of(8.7e-5, 2.1e-5, "A s^2/rad^2");
+        assert_eq!(drag, "c = 8.7 × 10⁻⁵ A s²/rad² (95 %: 4.6 to 12.8 × 10⁻⁵)");
+        assert_eq!(of(2.496e-5, 7.7e-7, ""), "c = 2.50 × 10⁻⁵ (95 %: 2.35 to 2.65 × 10⁻⁵)");
+        assert_eq!(of(12.0, 3.0, "1"), "c = 12 (95 %: 6 to 18)");
+    }
 }

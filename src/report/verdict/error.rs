@@ -4,7 +4,7 @@ use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FAR_BELOW_FLOOR;
 
-/// "This removes 92 % of the error above the noise floor; …": the error with this number of effects `found`.
+/// "This removes 92 % of the mean square error above the noise floor; …": the error with this number of effects `found`.
 pub(super) fn words(errors: &Errors, found: usize) -> String {
     let ratio = errors.ratio();
     if !ratio.is_finite() {
@@ -17,9 +17,9 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     };
     match (found, ratio <= THRESHOLDS.at_floor) {
         (_, true) if ratio < FAR_BELOW_FLOOR => format!(
-            "{with} 2 s simulation error is {ratio:.2} times the noise floor. The floor is only an upper \
-             bound here: it contains the largest possible effects of noise of the input, estimated from its changes from \
-             row to row, and of the input between the rows."
+            "{with} 2 s simulation error is {ratio:.2} times the noise floor. The floor is only an upper bound here: it \
+             contains noise of the input, estimated from its changes from row to row, which may be part of the command, and \
+             the input between the rows."
         ),
         (1.., true) if errors.was_at_floor() => format!(
             "{} influence on this motion is small: the 2 s simulation error was at the noise floor before and falls by {}.",
@@ -32,34 +32,42 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
             in_perspective(errors)
         ),
         (_, false) => format!(
-            "This removes {} of the error above the noise floor; the 2 s simulation error is still {ratio:.1} times \
-             the floor{}.",
+            "This removes {} of the mean square error above the noise floor; the 2 s simulation error is still {ratio:.1} \
+             times the floor{}.",
             removed(errors.unexplained()),
             in_perspective(errors)
         ),
     }
 }
 
-/// An error above the floor compared with the speed, with the unknown input between the rows, and with the uncertainty of
-/// the parameters: if the noise is small, the ratio to the floor exaggerates it.
+/// An error above the floor compared with the speed, or with what can cause it: if the noise is small, the ratio to the floor
+/// exaggerates it.
 fn in_perspective(errors: &Errors) -> String {
     match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
         true => {
             format!("; the excess is {} of the top speed", format::percent(errors.excess()))
         }
-        false if !errors.above_input() => {
-            ", no more than the input between its rows can cause".to_owned()
-        }
-        false if !errors.above_all() => {
-            ", no more than the uncertainty of the parameters can cause on these recordings"
-                .to_owned()
-        }
-        false => String::new(),
+        false => caused(errors).map_or_else(String::new, |cause| format!(", {cause}")),
+    }
+}
+
+/// What can cause an error above the floor without a missing effect: the unknown input between the rows, or the uncertainty
+/// of the parameters.
+pub(in crate::report) fn caused(errors: &Errors) -> Option<&'static str> {
+    if !errors.above_input() {
+        Some("no more than the input between its rows can cause")
+    } else if !errors.above_all() {
+        Some("no more than the uncertainty of the parameters can cause on these recordings")
+    } else {
+        None
     }
 }
 
 /// The removed share of the squared error, rounded such that a remaining error is not stated as zero.
 pub(super) fn removed(left: f64) -> String {
-    let percent = 100.0 * (1.0 - left);
-    if left > 0.0 && percent >= 99.0 { "more than 99 %".into() } else { format!("{percent:.0} %") }
+    match 100.0 * (1.0 - left) {
+        percent if left > 0.0 && percent >= 99.0 => "more than 99 %".into(),
+        percent if percent > 0.0 && percent < 0.5 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
 }

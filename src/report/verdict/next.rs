@@ -8,6 +8,16 @@ use crate::study::{Advice, DiagnosisStudy};
 /// (Cohen, Statistical Power Analysis, 1988).
 const POWER: f64 = 0.8;
 
+/// The heading of the [`recommendation`]: a recording, unless none can decide.
+#[must_use]
+pub(in crate::report) fn recommends(diagnosis: &DiagnosisStudy) -> &'static str {
+    let by_recording = |advice: &Advice| !matches!(advice, Advice::Equivalent { .. });
+    match diagnosis.proposal.is_some() || diagnosis.next.iter().any(by_recording) {
+        true => "Next recording",
+        false => "To distinguish",
+    }
+}
+
 /// The recommended next step or recording, with the manoeuvre written for it; `None` if no recording is
 /// recommended.
 #[must_use]
@@ -47,9 +57,17 @@ fn words(advice: &Advice) -> String {
         }
         Advice::Equivalent { effect, others } => format!(
             "No recording of wheel speeds and torques distinguishes {} from {}: their equations are \
-             the same. A measurement of another kind is needed.",
+             the same. A measurement of another kind is needed, for example of the input with the motors switched off.",
             title(effect),
             others.iter().map(|id| title(id)).collect::<Vec<_>>().join(" or ")
+        ),
+        Advice::TrainOn { recordings } => format!(
+            "Record more of the movement of {} for training: the present training recordings determine too little what it \
+             depends on.",
+            match &recordings[..] {
+                [one] => one.as_str(),
+                _ => "the validation recordings",
+            }
         ),
         Advice::Closest([first, second]) => format!(
             "The closest effects of the catalogue are {} and {}; neither is proven.",

@@ -19,12 +19,14 @@ impl StatedIssue {
                 format!("{rows} rows are more than are held in memory (hold_rows)")
             }
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
-            Self::Slow(rate) => format!("{rate:.3} rows a second"),
             Self::Settles { step_s, constant_s } => format!(
                 "rows of {:.0} ms are longer than the time constant of the wheels ({:.0} ms)",
                 step_s.map(|s| 1e3 * s),
                 constant_s.map(|s| 1e3 * s)
             ),
+            Self::Slow(rate) => {
+                format!("{} rows a second", rate.map(|rate| round_significant(rate, 3)))
+            }
             Self::Uneven(jitter) => {
                 format!("the step in time varies by {:.0} %", percent(jitter))
             }

@@ -54,10 +54,6 @@ impl Study {
     /// The role of the judged recordings in words.
     #[must_use]
     pub fn judged_words(&self) -> &'static str {
-        if Judged::of(&self.recordings).are_held_out() {
-            "validation"
-        } else {
-            "training (no validation recording is given)"
-        }
+        if Judged::of(&self.recordings).are_held_out() { "validation" } else { "training" }
     }
 }

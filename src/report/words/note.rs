@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::identify::{Note, PhysicalBound, SingleAxis, Unknown};
+use crate::math::round_significant;
 use crate::report::format::digits;
 use crate::simulate::Structure;
 
@@ -55,10 +56,10 @@ fn emulator(
 ) -> fmt::Result {
     match fed {
         Some((Structure::Parallel, gain)) => {
-            write!(f, "parallel structure, K = {gain} 1/s on the wheel speeds")?
+            write!(f, "parallel structure, K = {gain} s⁻¹ on the wheel speeds")?
         }
         Some((Structure::SerialParallel, gain)) => {
-            write!(f, "serial-parallel structure, K = {gain} 1/s on the wheel speeds")?;
+            write!(f, "serial-parallel structure, K = {gain} s⁻¹ on the wheel speeds")?;
         }
         None => f.write_str("the same rules simulated freely (K = 0)")?,
     }
@@ -66,10 +67,10 @@ fn emulator(
         None => f.write_str(": the in-sample ISE diverges"),
         Some(ise) if floor > 0.0 => write!(
             f,
-            ": the in-sample ISE is {ise:.4} rad^2/s, {:.2} times the noise floor",
+            ": the in-sample ISE is {ise:.4} rad²/s, {:.2} times that of the noise of the measured speeds",
             ise / floor
         ),
-        Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad^2/s"),
+        Some(ise) => write!(f, ": the in-sample ISE is {ise:.4} rad²/s"),
     }
 }
 
@@ -92,7 +93,14 @@ impl fmt::Display for Note {
             ),
             Self::CutOff(hz) => {
                 let hz: Vec<_> = hz.iter().map(|hz| format!("{hz:.2}")).collect();
-                write!(f, "Cut-off of the filter: {} Hz.", hz.join(", "))
+                match &hz[..] {
+                    [one, rest @ ..] if rest.iter().all(|other| other == one) => {
+                        write!(f, "Cut-off of the filter: {one} Hz.")
+                    }
+                    all => {
+                        write!(f, "Cut-off of the filter, by training recording: {} Hz.", all.join(", "))
+                    }
+                }
             }
             Self::Biased(by) => {
                 let by: Vec<_> = by.iter().map(|(s, v)| format!("{s} by about {v:+.2e}")).collect();
@@ -123,15 +131,19 @@ impl fmt::Display for Note {
             }
             Self::Misses(ratio) => write!(
                 f,
-                "The error of its free simulation is {} times the noise of the sensors, as noise of the torques or a missing \
-                 effect causes it: these intervals are too narrow.",
-                digits(*ratio, 2)
+                "The error of its free simulation is {} times the noise of the sensors: it drifts, by noise of the torques or by \
+                 a missing effect, and these intervals are too narrow.",
+                round_significant(*ratio, 2)
             ),
             Self::Horizon { seconds, chosen, error } => horizon(f, *seconds, *chosen, *error),
             Self::InputShift(late, error) => {
                 let way = if *late > 0.0 { "after" } else { "before" };
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
-                write!(f, "After conditioning, the input still acts {late:.2} ± {error:.2} ms {way} it is recorded; accounted for.")
+                write!(
+                    f,
+                    "In the recordings as used, the input acts {late:.2} ± {error:.2} ms {way} it is recorded; this fit \
+                     estimates that time with its parameters."
+                )
             }
             Self::Late { time, error, fitted } => {
                 let rest = match fitted {

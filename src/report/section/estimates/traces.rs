@@ -23,7 +23,10 @@ fn figure(study: &Study, method: &MethodStudy, trace: &Trace) -> Option<Figure> 
         TraceKind::Profile => format!("profile-{}-{over}", method.name),
         TraceKind::Estimates(_) | TraceKind::Cost => format!("trace-{}", method.name),
     };
-    let title = format!("{what} of {name} over {over}");
+    let title = match trace.axis {
+        TraceAxis::Evaluation => format!("{what} of {name} over the evaluations"),
+        _ => format!("{what} of {name} over {over}"),
+    };
     let mut figure = Figure::new(id, title).with_subtitle(&method.title);
     figure.caption = caption.to_owned();
     let x = || {
@@ -61,7 +64,9 @@ fn words_of(kind: &TraceKind) -> (&'static str, &'static str) {
             "Estimates",
             "Dashed lines mark the true value if it is known, otherwise the last one.",
         ),
-        TraceKind::Cost => ("Cost", ""),
+        TraceKind::Cost => {
+            ("Cost", "In-sample ISE of the emulator, the cost of the fit, after each evaluation.")
+        }
         TraceKind::Profile => (
             "Profile likelihood",
             "All other parameters follow. The values above the line are the 95 % interval.",

@@ -72,6 +72,7 @@ fn method(name: &str) -> MethodStudy {
 pub(in crate::report::section) fn empty() -> Study {
     Study {
         timing: None,
+        timing_as_given: None,
         experiment: "bare".to_owned(),
         invocation: Invocation { file: "runs/bare.toml".to_owned(), ..Invocation::default() },
         title: "Bare".to_owned(),
@@ -168,11 +169,12 @@ fn candidate(effect: &str, probability: f64, window_after: f64) -> CandidateStud
     CandidateStudy {
         effect: effect.to_owned(),
         probability,
+        no_better: false,
         indistinguishable: vec!["back_emf".to_owned()],
         p_value: 0.0,
         log_significance: 900.0,
         evidence: 700.0 * probability,
-        delta_bic: f64::NAN,
+        delta_bic: if probability > 0.0 { 1400.0 * probability } else { f64::NAN },
         before: Judgement { ise: f64::INFINITY, window_rms: 0.4 },
         after: Some(Judgement { ise: 0.1, window_rms: window_after }),
         by_regression: 22.0,
@@ -202,6 +204,7 @@ fn diagnosis() -> DiagnosisStudy {
         unproven: None,
         withheld: None,
         logging: Logging { unit: DriveUnit::Volt, if_held: None, speeds_alone: false },
+        at_floor: None,
         differs: None,
         dependence: None,
         parameters: vec![],
