@@ -237,7 +237,7 @@ fn every_method_lowers_the_cost_of_its_start_and_its_curve_never_rises() {
         assert!(curve.windows(2).all(|w| w[1][0] <= w[0][0]), "{name}");
         // the learnt premises are not those of `problem`
         assert!(name == "fuzzy_anfis" || end < start, "{name} {end} {start}");
-        assert!(fit.notes[0].to_string().contains("K = 1 1/s"), "{}", fit.notes[0]);
+        assert!(fit.notes[0].to_string().contains("K = 1 s⁻¹"), "{}", fit.notes[0]);
     }
 }
 

@@ -30,8 +30,16 @@ impl Held {
     pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
-        while let Some(j) = out.least_known(task) {
-            if out.hold(filter, j, initial[j]).is_none() {
+        let sum = |p: &[f64]| p[A1] + p[A2];
+        // the inertias keep the ratio that they have in the construction data
+        let at = |j: usize, p: &[f64]| match j {
+            A2 | A3 if sum(p) > 0.0 => sum(p) / sum(&initial) * initial[j],
+            _ => initial[j],
+        };
+        // an information that is not a number does not know a held parameter either
+        while let Some(j) = out.least_known(task).filter(|j| !out.places.contains(j)) {
+            let value = at(j, &out.solution.p);
+            if out.hold(filter, j, value).is_none() {
                 break;
             }
         }
@@ -39,13 +47,12 @@ impl Held {
             .gyration(task, &out.solution.p)
             .is_some_and(|squared| squared < 1.0 / (WIDEST * WIDEST));
         if narrow {
-            let sum = |p: &[f64]| p[A1] + p[A2];
-            let ratio = sum(&out.solution.p) / sum(&initial);
             let free =
                 |j: &usize| task.model.parameters()[*j].fixed.is_none() && !out.places.contains(j);
             let held: Vec<usize> = [A2, A3].into_iter().filter(free).collect();
             for j in held {
-                out.hold(filter, j, ratio * initial[j]);
+                let value = at(j, &out.solution.p);
+                out.hold(filter, j, value);
             }
         }
         out
