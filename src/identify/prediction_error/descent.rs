@@ -18,6 +18,9 @@ const NEGLIGIBLE: f64 = 5e-4;
 /// without comparing the cost: the score neglects the dependence of the gain on the parameters, so
 /// the cost need not decrease there.
 const NEAR: f64 = 0.5;
+/// Rise of the cost per row [nats] that such a step may cause: innovations larger by a hundredth (judgement). A larger one
+/// is another motion: a wheel that rests, or turns that diverge.
+const LEAP: f64 = 0.01;
 /// Damping after the first failure, and its factor.
 const DAMPING: (f64, f64) = (1e-2, 10.0);
 /// Ratio of the inertias of turning and of driving straight below which a step is refused: a radius of gyration of a tenth
@@ -260,7 +263,8 @@ impl DampedSearch for Descent<'_> {
         }
         let damped = self.damping > 0.0;
         let next = if damped { self.here.towards(self.model, self.damping) } else { whole };
-        if next.promise < NEGLIGIBLE {
+        // NaN too: an information that overflows under its damping promises nothing
+        if !(next.promise >= NEGLIGIBLE) {
             return Proposal::End(MinimumStatus::Stalled);
         }
         let near = !damped && next.promise < NEAR;
@@ -273,7 +277,8 @@ impl DampedSearch for Descent<'_> {
         self.evaluations += 1;
         let kept = |there: &Solution| {
             let halved = || there.towards(model, 0.0).promise < 0.5 * promise;
-            near || there.cost() < here.cost() || halved()
+            let rise = there.cost() - here.cost();
+            near && rise < LEAP * here.total(|s| s.count) || rise < 0.0 || halved()
         };
         let place = here.moved(model, &step);
         let point = Some(place).filter(|(p, _)| !vanishes(p, &here.p));
