@@ -168,7 +168,9 @@ fn what_straight_driving_does_not_identify_is_held_and_said() {
     let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
     let fit = PredictionError::default().identify(&task).unwrap();
     let a3 = fit.estimate("a3").unwrap();
-    assert!(!a3.identifiable && a3.value == truth[2], "{a3:?} {:?}", fit.notes);
+    // held in its ratio to a1 + a2, whose standard error is 0.05 %
+    let is_held = (a3.value / truth[2] - 1.0).abs() < 0.002;
+    assert!(!a3.identifiable && is_held, "{a3:?} {:?}", fit.notes);
     let held = |n: &Note| n.to_string().starts_with("a3 is not identifiable");
     assert!(fit.notes.iter().any(held), "{:?}", fit.notes);
 }
