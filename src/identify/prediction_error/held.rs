@@ -36,7 +36,7 @@ impl Held {
             A2 | A3 if sum(p) > 0.0 => sum(p) / sum(&initial) * initial[j],
             _ => initial[j],
         };
-        // an information that is not a number does not know a held parameter either
+        // where the information is not a number, a held parameter would be found again
         while let Some(j) = out.least_known(task).filter(|j| !out.places.contains(j)) {
             let value = at(j, &out.solution.p);
             if out.hold(filter, j, value).is_none() {
