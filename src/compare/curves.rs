@@ -65,6 +65,41 @@ impl Curve {
         let means = self.bins.iter().flat_map(|b| b.after.unwrap_or(b.before));
         means.map(|m| m.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
+
+    /// -ln of the p-value of the remaining dependence if only the blocks of 1 s are independent, as under coloured noise
+    /// of the input. Bins of one or two blocks are left out.
+    ///
+    /// ```text
+    /// T = Σ z² - (Σ z/se)²/Σ 1/se² ~ χ²,   z: normal quantile of the p-value of mean/se
+    /// ```
+    /// The second term, for a resistance or a gain, removes the part that all bins have in common.
+    ///
+    /// Source of z: Wallace, Ann. Math. Stat. 30 (1959).
+    #[must_use]
+    pub fn clustered_significance(&self) -> f64 {
+        let (mut statistic, mut count) = (0.0, 0.0);
+        for i in 0..2 {
+            let means = self.bins.iter().map(|b| b.after.unwrap_or(b.before)[i]);
+            let known: Vec<Mean> = means.filter(|m| m.blocks > 2 && m.std_error > 0.0).collect();
+            let weight = |m: &Mean| m.std_error.powi(-2);
+            let common = match self.acting {
+                Acting::Torque => 0.0,
+                _ => {
+                    known.iter().map(|m| weight(m) * m.value).sum::<f64>()
+                        / known.iter().map(weight).sum::<f64>()
+                }
+            };
+            let degrees = |m: &Mean| (m.blocks - 1) as f64;
+            let square = |m: &Mean| {
+                let t = (m.value - common) / m.std_error;
+                let n = degrees(m);
+                ((8.0 * n + 1.0) / (8.0 * n + 3.0)).powi(2) * n * (t * t / n).ln_1p()
+            };
+            statistic += known.iter().map(square).sum::<f64>();
+            count += known.len() as f64 - f64::from(u8::from(self.acting != Acting::Torque));
+        }
+        if count > 0.0 { -chi2_log_survival(statistic, count) } else { 0.0 }
+    }
 }
 
 /// Rows with their residual torques.
@@ -380,5 +415,46 @@ mod tests {
         let bins = binned(&coasting, Variable::Time as usize).unwrap();
         let curve = curve(&bins, Variable::Time as usize, Acting::Gain, 1.0, false);
         assert!(curve.share_before < 0.01, "{}", curve.share_before);
+    }
+
+    #[test]
+    fn a_dependence_counts_blocks_and_not_rows() {
+        // two bins of three blocks: means 1 and -1 with standard errors of 0.5, t = ±2 of two degrees of freedom, whose
+        // p-value of 0.18350 (scipy.stats.t.sf(2, 2) * 2) is that of z² = 1.7691; Wallace's z² is 1.7590
+        let mean = |value| Mean { value, std_error: 0.5, blocks: 3 };
+        let bin = |value| CurveBin { at: 0.0, joined: true, before: [mean(value); 2], after: None };
+        let of = |acting, bins| Curve {
+            variable: Variable::Omega1,
+            acting,
+            bins,
+            share_before: 0.0,
+            share_after: None,
+            log_significance: 0.0,
+        };
+        let torque = of(Acting::Torque, vec![bin(1.0), bin(-1.0)]).clustered_significance();
+        let expected = -chi2_log_survival(4.0 * 1.7691, 4.0);
+        assert!((torque - expected).abs() < 0.02, "{torque} {expected}");
+        // what all bins of a gain have in common does not depend on the variable
+        let gain = of(Acting::Gain, vec![bin(1.0), bin(1.0)]).clustered_significance();
+        assert!(gain.abs() < 1e-12, "{gain}");
+    }
+
+    #[test]
+    fn coloured_noise_is_no_dependence_and_a_torque_beside_it_is_one() {
+        // noise with a correlation time of 0.3 s: three rows
+        let noise = crate::math::least_squares::tests::lcg(3000, 5);
+        let mut coloured = vec![0.0; 3000];
+        for k in 1..3000 {
+            coloured[k] = 0.72 * coloured[k - 1] + noise[k];
+        }
+        let of = |torque: &dyn Fn(usize, f64) -> f64| {
+            let rows = driven(|t, _, speed| torque((10.0 * t).round() as usize, speed));
+            let v = Variable::Omega1 as usize;
+            as_it_acts(&rows, v, 1.0, false).unwrap()
+        };
+        let alone = of(&|k, _| coloured[k]);
+        assert!(alone.clustered_significance() < 10.0, "{}", alone.clustered_significance());
+        let beside = of(&|k, speed| coloured[k] + speed);
+        assert!(beside.clustered_significance() > 30.0, "{}", beside.clustered_significance());
     }
 }

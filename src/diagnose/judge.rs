@@ -106,7 +106,7 @@ impl Judge {
         between_rows(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
-    /// The errors that a diagnosis started and ended with, beside the noise `floor`.
+    /// The errors that a diagnosis of the recordings `train` started and ended with, beside the noise `floor`.
     ///
     /// # Errors
     /// A model that cannot move, or diverges.
@@ -114,6 +114,7 @@ impl Judge {
         &self,
         diagnosis: &Diagnosis,
         floor: WindowFloor,
+        train: &[Recording],
     ) -> Result<Errors, SimulateError> {
         let error = |fit: &WindowFit| self.judge(&fit.model, &fit.p).map(|j| j.window_rms.powi(2));
         let errors = Errors {
@@ -127,8 +128,22 @@ impl Judge {
         };
         // the parameters of recordings that were fitted have no further error there
         let asked = diagnosis.validated && errors.above_floor();
-        let uncertain = if asked { self.uncertain(diagnosis.last())? } else { 0.0 };
+        if !asked {
+            return Ok(errors);
+        }
+        let uncertain = self.uncertain(diagnosis.last())? / self.misfit(diagnosis.last(), train)?;
         Ok(Errors { uncertain, ..errors })
+    }
+
+    /// The squared error of a fit on its training recordings over their squared floor, at least one: the factor by which an
+    /// error of the model, beside noise, raises the covariance of the parameters. Whether the model is correct cannot be
+    /// decided by a covariance that contains its error.
+    fn misfit(&self, fit: &WindowFit, train: &[Recording]) -> Result<f64, SimulateError> {
+        let own = Self { recordings: train.to_vec(), hold: self.hold };
+        let floor = own.floor(&fit.model, &fit.p).expected.powi(2);
+        let error = own.judge(&fit.model, &fit.p)?.window_rms.powi(2);
+        // an error or a floor that is not a number widens nothing
+        Ok(if error > floor && floor > 0.0 { error / floor } else { 1.0 })
     }
 
     /// What the uncertainty of the parameters of a fit may add to the error over windows, squared [rad^2/s^2]: recordings

@@ -46,12 +46,12 @@ pub use scale::scale_of;
 pub use screen::Screen;
 pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};
 pub use shapes::shapes_placed;
-pub use speed_filter::{SpeedFilter, advanced, speed_filter};
+pub use speed_filter::{Computed, SpeedFilter, advanced, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
 pub use verdict::{
     Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
-    structured, withheld,
+    structured, structured_by_blocks, withheld,
 };
 pub use windows::{Windows, mobility};
 

@@ -39,6 +39,9 @@ pub struct Thresholds {
     /// Smallest -ln p of the strongest dependence of the residual torque that counts as structure: a chance of one
     /// in ten million for a single test, so that about a hundred tests (bins and variables) cause no false alarm.
     pub structure: f64,
+    /// Smallest -ln p of a dependence of the residual torque, with blocks of 1 s as the independent values, for which coloured
+    /// noise of the input is no explanation: with about thirty curves such noise exceeds it once in a thousand recordings.
+    pub structure_of_blocks: f64,
     /// Smallest share of the residual torque that a variable must explain to be named (judgement).
     pub named_share: f64,
     /// Probability that any regime of driving is called significant if the model is correct.
@@ -108,6 +111,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     nothing_left: 0.04,
     unexplained: 0.5,
     structure: 16.0,
+    structure_of_blocks: 10.0,
     named_share: 0.01,
     regime_rate: REGIME_RATE,
     useful: 0.05,

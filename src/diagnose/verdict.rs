@@ -147,11 +147,22 @@ pub fn structure(left: &UnexplainedTorque) -> Option<&Dependence> {
 /// assumes the spectrum of the noise that the likelihood finds; with another one its statistic is too large.
 #[must_use]
 pub fn structured(curves: &[Curve]) -> bool {
-    let shows = |curve: &&Curve| {
-        let disturbance = curve.variable == Variable::Time && curve.acting == Acting::Torque;
-        !curve.variable.answers() && !disturbance
-    };
-    curves.iter().filter(shows).any(|curve| curve.log_significance > THRESHOLDS.structure)
+    curves.iter().filter(is_of_robot).any(|curve| curve.log_significance > THRESHOLDS.structure)
+}
+
+/// Whether the binned residual torque depends on a variable of [`structured`] more than coloured noise of the input can: its
+/// values are correlated within a block of 1 s, and those of the blocks are not.
+#[must_use]
+pub fn structured_by_blocks(curves: &[Curve]) -> bool {
+    let least = THRESHOLDS.structure_of_blocks;
+    curves.iter().filter(is_of_robot).any(|curve| curve.clustered_significance() > least)
+}
+
+/// Whether a curve is over a variable that feedback control does not make respond to every disturbance, and not a torque over
+/// time alone, as a disturbance or coloured noise of the input would be.
+fn is_of_robot(curve: &&Curve) -> bool {
+    let disturbance = curve.variable == Variable::Time && curve.acting == Acting::Torque;
+    !curve.variable.answers() && !disturbance
 }
 
 /// The candidate that lowers the held-out error after the last accepted step without being proven.
@@ -231,6 +242,7 @@ pub fn probabilities(ranking: &[Ranked], refuted: &[bool]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::CurveBin;
 
     fn left(log_significance: f64, size: f64) -> UnexplainedTorque {
         UnexplainedTorque {
@@ -277,6 +289,22 @@ mod tests {
         ] {
             assert!(!structured(&[curve(variable, acting, log_significance)]), "{variable:?}");
         }
+    }
+
+    #[test]
+    fn structure_by_blocks_is_that_of_the_robot() {
+        let mean = |value| crate::compare::Mean { value, std_error: 0.1, blocks: 30 };
+        let bin = |value| CurveBin { at: 0.0, joined: true, before: [mean(value); 2], after: None };
+        let curve = |variable| Curve {
+            variable,
+            acting: Acting::Torque,
+            bins: vec![bin(0.5), bin(-0.5)],
+            share_before: 0.3,
+            share_after: None,
+            log_significance: 0.0,
+        };
+        assert!(structured_by_blocks(&[curve(Variable::Omega2)]));
+        assert!(!structured_by_blocks(&[curve(Variable::Time), curve(Variable::Input1)]));
     }
 
     #[test]

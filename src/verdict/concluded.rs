@@ -6,7 +6,7 @@ use super::ranking::{ranking, staircase};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude,
-    difference, likely, structured, withheld,
+    difference, likely, structured, structured_by_blocks, withheld,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::correlations;
@@ -59,16 +59,17 @@ impl<'a> Concluded<'a> {
         let WindowFit { model, p, .. } = diagnosis.last();
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
         let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
-        let errors = judge.errors(diagnosis, floor)?;
+        let errors = judge.errors(diagnosis, floor, basis.train)?;
         let left = judge.left_by(diagnosis, &likelihood)?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
         let likely = likely(diagnosis, &errors);
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
-        let structure = depends_on.is_some() && structured(curves);
-        // slow noise of the input, as the innovations show it, may cause an error without structure
-        let asked = !structure && errors.above_floor();
+        let by_blocks = structured_by_blocks(curves);
+        let structure = by_blocks || depends_on.is_some() && structured(curves);
+        // slow noise of the input, as the innovations show it, may cause an error without structure that no effect lowers
+        let asked = !structure && likely.is_none() && errors.above_floor();
         let coloured = if asked { judge.coloured_floor(model, p, left.slow).powi(2) } else { 0.0 };
         let most = errors.most.max(coloured);
         let conclusion =

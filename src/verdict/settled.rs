@@ -28,7 +28,8 @@ impl Settled {
         let judge = Judge::new(basis.judged().to_vec(), basis.hold);
         let WindowFit { model, p, .. } = &diagnosis.base;
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
-        if !judge.errors(&diagnosis, floor).is_ok_and(|errors| errors.far_above_all()) {
+        if !judge.errors(&diagnosis, floor, basis.train).is_ok_and(|errors| errors.far_above_all())
+        {
             return Self { diagnosis, trial: None };
         }
         match Trial::of(&curves(&diagnosis, basis), &diagnosis, basis) {
