@@ -178,6 +178,8 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// Speeds without angles after a low-pass of their sensor, as determined from the motion.
     LowPass {
+        /// Whether it is computed once a row, as an exponential moving average.
+        at_rows: bool,
         /// Its time constant \[s\].
         time_s: R,
         /// Standard error of that \[s\].

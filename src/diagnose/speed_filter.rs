@@ -15,9 +15,20 @@ use crate::simulate::Hold;
 /// the logarithm follows the error.
 const RATIO: f64 = 1.4;
 
+/// Where a low-pass of the speeds is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Computed {
+    /// Before the sampling, by electronics or much faster than the rows: `T y' = x - y`.
+    Continuously,
+    /// Once a row, an exponential moving average: `y(k) = y(k-1) + g (x(k) - y(k-1))`, `g = 1 - exp(-h/T)`.
+    AtRows,
+}
+
 /// A first-order low-pass of the recorded speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedFilter {
+    /// Where it is computed.
+    pub computed: Computed,
     /// Its time constant \[s\].
     pub time_s: f64,
     /// Standard error of that \[s\].
@@ -35,6 +46,8 @@ pub struct SpeedFilter {
 /// w = w_r + T w_r'          the model is fitted to w at every T
 /// e = w_r - F(w_simulated)  error of the comparison, F: the low-pass filter
 /// ```
+/// An average over the rows is inverted exactly, and its noise is then white again. The form with the smaller error is returned.
+///
 /// A lag of the input and one of the sensor commute in a linear system. Friction distinguishes them: after a low-pass
 /// filter of the sensor it appears delayed as well.
 #[must_use]
@@ -49,13 +62,14 @@ pub fn speed_filter(
     }
     let scale = scale_of(model, p, recordings);
     let plain = timed(model, p, 0.0, recordings, hold, &scale)?;
-    if !plain.is_late(scale.logging) {
+    // at the noise floor there is no more to explain; above it the inertia may have absorbed the delay
+    if !plain.is_late(scale.logging) && plain.error() <= THRESHOLDS.above_floor {
         return None;
     }
     let start = &plain.fit.p[..p.len()];
     let search = Search { plain: &plain, model, p: start, recordings, hold, scale: &scale };
     let filter = search.best()?;
-    let left = search.left(filter.time_s, Noise::Removed)?;
+    let left = search.left(filter.low_pass(), Noise::Removed)?;
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
     let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
@@ -66,7 +80,7 @@ pub fn speed_filter(
     if !bends {
         return None;
     }
-    let late = search.late_actuators(filter.time_s);
+    let late = search.late_actuators(filter.low_pass());
     let is_late = |late: &Vec<f64>| {
         sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
     };
@@ -75,12 +89,65 @@ pub fn speed_filter(
     (most && least).then_some(SpeedFilter { or_late, ..filter })
 }
 
-/// A recording whose speeds are those before a low-pass of time constant `time` \[s\].
+/// A low-pass with a time constant \[s\].
+#[derive(Clone, Copy)]
+struct LowPass {
+    computed: Computed,
+    time: f64,
+}
+
+impl LowPass {
+    /// The output a step `h` after the output `y`, of an input on a line from one value to another.
+    ///
+    /// ```text
+    /// y' = u_1 - T (u_1 - u_0)/h + (y - u_0 + T (u_1 - u_0)/h) exp(-h/T)   continuously
+    /// y' = u_1 + (y - u_1) exp(-h/T)                                       at rows
+    /// ```
+    fn after(self, y: f64, [from, to]: [f64; 2], h: f64) -> f64 {
+        let behind = match self.computed {
+            Computed::Continuously => self.time * (to - from) / h,
+            Computed::AtRows => 0.0,
+        };
+        let first = if self.computed == Computed::AtRows { to } else { from };
+        to - behind + (y - first + behind) * (-h / self.time).exp()
+    }
+
+    /// A recording whose speeds are those before the low-pass.
+    fn before(self, recording: &Recording) -> Recording {
+        let omega = recording.omega();
+        let rows: Vec<[f64; 2]> = match self.computed {
+            Computed::Continuously => {
+                let slopes = differentiate(recording.t(), omega, recording.pieces(), 1);
+                let rows = omega.iter().zip(slopes);
+                rows.map(|(w, s)| [0, 1].map(|i| w[i] + self.time * s[i])).collect()
+            }
+            Computed::AtRows => {
+                let kept = (-recording.step() / self.time).exp();
+                let mut rows = omega.to_vec();
+                for piece in recording.pieces() {
+                    // what came before the first row of a piece is unknown
+                    for k in piece.clone().skip(1) {
+                        let last = omega[k - 1];
+                        rows[k] = [0, 1].map(|i| (omega[k][i] - kept * last[i]) / (1.0 - kept));
+                    }
+                }
+                rows
+            }
+        };
+        recording.with_omega(rows)
+    }
+}
+
+impl SpeedFilter {
+    fn low_pass(&self) -> LowPass {
+        LowPass { computed: self.computed, time: self.time_s }
+    }
+}
+
+/// A recording whose speeds are those before a low-pass.
 #[must_use]
-pub fn advanced(recording: &Recording, time: f64) -> Recording {
-    let slopes = differentiate(recording.t(), recording.omega(), recording.pieces(), 1);
-    let rows = recording.omega().iter().zip(slopes);
-    recording.with_omega(rows.map(|(w, s)| [0, 1].map(|i| w[i] + time * s[i])).collect())
+pub fn advanced(recording: &Recording, filter: &SpeedFilter) -> Recording {
+    filter.low_pass().before(recording)
 }
 
 /// Contribution of noise of the recorded input to squared innovations.
@@ -100,12 +167,20 @@ struct Search<'a, 'b> {
 }
 
 impl Search<'_, '_> {
-    /// The time constant of least error, and its error by the bend of that.
+    /// The form and time constant of least error.
     fn best(&self) -> Option<SpeedFilter> {
+        let of = |computed| self.best_of(computed);
+        let found = [Computed::Continuously, Computed::AtRows].into_iter().filter_map(of);
+        found.min_by(|a, b| self.sum(a.low_pass()).total_cmp(&self.sum(b.low_pass())))
+    }
+
+    /// The time constant of least error, and its error by the bend of that.
+    fn best_of(&self, computed: Computed) -> Option<SpeedFilter> {
+        let sum = |time: f64| self.sum(LowPass { computed, time });
         let first = THRESHOLDS.logging * self.scale.step;
         let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
-        let sums: Vec<f64> = times.iter().map(|&t| self.sum(t)).collect();
+        let sums: Vec<f64> = times.iter().map(|&t| sum(t)).collect();
         let n = (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
         if n == 0 || n + 1 == sums.len() {
             return None;
@@ -113,7 +188,7 @@ impl Search<'_, '_> {
         // a parabola through the logarithms of three times, twice, the second time closer
         let (mut middle, mut step, mut bend) = (times[n].ln(), RATIO.ln(), 0.0);
         for _ in 0..2 {
-            let [low, least, high] = [-1.0, 0.0, 1.0].map(|k| self.sum((middle + k * step).exp()));
+            let [low, least, high] = [-1.0, 0.0, 1.0].map(|k| sum((middle + k * step).exp()));
             bend = (low - 2.0 * least + high) / (step * step);
             if !(bend > 0.0) {
                 return None;
@@ -122,18 +197,18 @@ impl Search<'_, '_> {
             step *= 0.4;
         }
         let time_s = middle.exp();
-        let error = self.sum(time_s) / self.plain.windows.values() as f64;
+        let error = sum(time_s) / self.plain.windows.values() as f64;
         let std_error_s = time_s * (2.0 * error / bend).sqrt();
-        Some(SpeedFilter { time_s, std_error_s, or_late: true })
+        Some(SpeedFilter { computed, time_s, std_error_s, or_late: true })
     }
 
-    fn sum(&self, time: f64) -> f64 {
-        self.left(time, Noise::Kept).map_or(f64::INFINITY, |left| left.iter().sum())
+    fn sum(&self, filter: LowPass) -> f64 {
+        self.left(filter, Noise::Kept).map_or(f64::INFINITY, |left| left.iter().sum())
     }
 
-    /// The recordings with the speeds before a low-pass of time constant `time` \[s\].
-    fn before(&self, time: f64) -> Vec<Recording> {
-        self.recordings.iter().map(|r| advanced(r, time)).collect()
+    /// The recordings with the speeds before a low-pass.
+    fn before(&self, filter: LowPass) -> Vec<Recording> {
+        self.recordings.iter().map(|r| filter.before(r)).collect()
     }
 
     fn fitted<'r>(&self, recordings: &'r [Recording]) -> Option<Timed<'r>> {
@@ -142,13 +217,13 @@ impl Search<'_, '_> {
     }
 
     /// Squared innovations of the recorded speeds in every window, with a model fitted before the low-pass.
-    fn left(&self, time: f64, noise: Noise) -> Option<Vec<f64>> {
-        let before = self.before(time);
+    fn left(&self, filter: LowPass, noise: Noise) -> Option<Vec<f64>> {
+        let before = self.before(filter);
         let Timed { windows, fit, .. } = self.fitted(&before)?;
         let recorded = &self.plain.windows;
         let squares = |windows: &Windows| {
             let errors = windows.errors(&fit.model, &fit.p)?;
-            let behind = |(n, e): (usize, &Errors)| behind(recorded, n, e, &before, time);
+            let behind = |(n, e): (usize, &Errors)| behind(recorded, n, e, &before, filter);
             let errors: Vec<Errors> = errors.iter().enumerate().map(behind).collect();
             Some(recorded.innovations(&errors))
         };
@@ -159,11 +234,11 @@ impl Search<'_, '_> {
     }
 
     /// Squared innovations, without noise of the input, with each effect that delays the actuator, starting at about
-    /// `time`. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
+    /// the time constant of the filter. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
     /// equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
     /// attributes much of the delay to the inertia.
-    fn late_actuators(&self, time: f64) -> Vec<Vec<f64>> {
-        let before = self.before(time);
+    fn late_actuators(&self, filter: LowPass) -> Vec<Vec<f64>> {
+        let before = self.before(filter);
         let found = self.fitted(&before).map_or_else(|| self.p.to_vec(), |behind| behind.fit.p);
         let late = crate::effects::all().into_iter().filter(|e| e.change() == Change::TimeShift);
         let windows = &self.plain.windows;
@@ -175,7 +250,7 @@ impl Search<'_, '_> {
             let mut start = found.clone();
             start.resize(timed.parameters().len(), 0.0);
             let model = timed.add_effect(std::sync::Arc::from(effect)).ok()?;
-            start.resize(model.parameters().len(), time);
+            start.resize(model.parameters().len(), filter.time);
             let fit = fit(windows, &model, &start, self.scale)?;
             noiseless(windows, &fit)
         };
@@ -184,7 +259,13 @@ impl Search<'_, '_> {
 }
 
 /// Errors of window `n` of the recorded speeds, from those of the speeds `before` the low-pass.
-fn behind(windows: &Windows, n: usize, errors: &Errors, before: &[Recording], time: f64) -> Errors {
+fn behind(
+    windows: &Windows,
+    n: usize,
+    errors: &Errors,
+    before: &[Recording],
+    filter: LowPass,
+) -> Errors {
     let window = &windows.windows[n];
     let recorded = windows.recordings[window.recording];
     let (t, first) = (recorded.t(), window.rows.start);
@@ -194,7 +275,8 @@ fn behind(windows: &Windows, n: usize, errors: &Errors, before: &[Recording], ti
         let row = first + k;
         let speed = [0, 1].map(|i| speeds[row][i] - e[i]);
         if k > 0 {
-            low = [0, 1].map(|i| low_pass(low[i], [last[i], speed[i]], t[row] - t[row - 1], time));
+            let h = t[row] - t[row - 1];
+            low = [0, 1].map(|i| filter.after(low[i], [last[i], speed[i]], h));
         }
         last = speed;
         [0, 1].map(|i| recorded.omega()[row][i] - low[i])
@@ -203,29 +285,47 @@ fn behind(windows: &Windows, n: usize, errors: &Errors, before: &[Recording], ti
     Errors { error, ..*errors }
 }
 
-/// A low-pass of time constant `time` a step `h` after its output `y`, of an input on a line from one value to another.
-///
-/// ```text
-/// y' = u_1 - T (u_1 - u_0)/h + (y - u_0 + T (u_1 - u_0)/h) exp(-h/T)
-/// ```
-fn low_pass(y: f64, [from, to]: [f64; 2], h: f64, time: f64) -> f64 {
-    let behind = time * (to - from) / h;
-    to - behind + (y - from + behind) * (-h / time).exp()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::{Channels, DriveUnit};
 
     #[test]
     fn a_low_pass_of_a_line_is_late_by_its_time_constant() {
         // u = 3 t: y = 3 (t - T) + 3 T exp(-t/T) from rest, whatever the steps
         let (time, mut t, mut y) = (0.03, 0.0, 0.0);
+        let filter = LowPass { computed: Computed::Continuously, time };
         for h in [0.01, 0.004, 0.02, 0.05] {
-            y = low_pass(y, [3.0 * t, 3.0 * (t + h)], h, time);
+            y = filter.after(y, [3.0 * t, 3.0 * (t + h)], h);
             t += h;
             let exact = 3.0 * (t - time) + 3.0 * time * (-t / time).exp();
             assert!((y - exact).abs() < 1e-15, "{t}");
+        }
+    }
+    #[test]
+    fn an_average_over_the_rows_is_inverted_exactly() {
+        let speeds: Vec<[f64; 2]> =
+            (0..50).map(|k| [(k * k % 17) as f64, (k % 5) as f64]).collect();
+        let (h, share) = (0.02, 0.3);
+        let filter = LowPass { computed: Computed::AtRows, time: -h / (1.0_f64 - share).ln() };
+        let mut averaged = speeds.clone();
+        for k in 1..speeds.len() {
+            averaged[k] = [0, 1].map(|i| {
+                let y = averaged[k - 1][i];
+                let next = y + share * (speeds[k][i] - y);
+                assert!((filter.after(y, [0.0, speeds[k][i]], h) - next).abs() < 1e-12);
+                next
+            });
+        }
+        let channels = Channels {
+            t: (0..50).map(|k| h * f64::from(k)).collect(),
+            alpha: None,
+            omega: Some(averaged),
+            torque: speeds.clone(),
+        };
+        let recording = Recording::new("averaged", channels, DriveUnit::Volt).unwrap();
+        for (found, truth) in filter.before(&recording).omega().iter().zip(&speeds) {
+            assert!((0..2).all(|i| (found[i] - truth[i]).abs() < 1e-9), "{found:?} {truth:?}");
         }
     }
 }

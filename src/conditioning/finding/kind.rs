@@ -47,9 +47,12 @@ impl<C: Copy, R: Copy> Kind<C, R> {
             Self::Reset { row, step_rad } => {
                 Kind::Reset { row: whole(row), step_rad: real(step_rad) }
             }
-            Self::LowPass { time_s, std_error_s, or_late } => {
-                Kind::LowPass { time_s: real(time_s), std_error_s: real(std_error_s), or_late }
-            }
+            Self::LowPass { at_rows, time_s, std_error_s, or_late } => Kind::LowPass {
+                at_rows,
+                time_s: real(time_s),
+                std_error_s: real(std_error_s),
+                or_late,
+            },
             Self::HeldInput => Kind::HeldInput,
             Self::Phase { shift_s, std_error_s } => {
                 Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }

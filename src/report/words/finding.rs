@@ -143,8 +143,9 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             ms(lag_s),
             ms(std_error_s)
         ),
-        Kind::LowPass { time_s, std_error_s, or_late } => format!(
-            "{name} is low-pass filtered with a time constant of {} ± {}: friction appears as late as the input{}",
+        Kind::LowPass { at_rows, time_s, std_error_s, or_late } => format!(
+            "{name} is low-pass filtered {}with a time constant of {} ± {}: friction appears as late as the input{}",
+            if at_rows { "(exponential average over the rows) " } else { "" },
             ms(time_s),
             ms(std_error_s),
             if or_late {
