@@ -2,10 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::input_timing::{INTERPOLATION, SYMBOL};
 use super::windows::{Sums, Windows, bounds, quadratic_of};
 use crate::effects::Scale;
 use crate::identify::among_all;
-use crate::math::{Information, MinimiseOptions, minimise, raise_errors, sandwich};
+use crate::math::{Information, MinimiseOptions, minimise, raise_errors};
 use crate::model::Model;
 use crate::simulate::Hold;
 
@@ -39,6 +40,12 @@ impl WindowFit {
     pub fn is_short(&self) -> bool {
         self.windows <= self.model.free().len()
     }
+
+    /// Degrees of freedom of the standard errors: windows less free parameters, at least one.
+    #[must_use]
+    pub fn degrees(&self) -> f64 {
+        (self.windows as f64 - self.model.free().len() as f64).max(1.0)
+    }
 }
 
 /// Fits the free parameters of `model` from `start` by Levenberg and Marquardt's method. `None` where the
@@ -46,9 +53,12 @@ impl WindowFit {
 ///
 /// ```text
 /// minimise ½ Σ_windows Σ_k (w(k) - ŵ(k; θ))²/s²
-/// covariance H⁻¹ (Σ g_b g_b') H⁻¹ m/(m - p),   g_b: gradient of window b of m, p parameters
+/// covariance (m - 1)/m Σ_b δ_b δ_b',   δ_b = (H - H_b)⁻¹ g_b: change of the fit without window b of m, by one step
 /// ```
-/// Source of the covariance: sandwich of White, Econometrica 50 (1982), clustered by windows.
+/// A few windows, those with a stop or a reversal, determine the friction: the sandwich of the scores, which are smaller in the
+/// windows that decide, is too small.
+///
+/// Source of the covariance: Bell and McCaffrey, Survey Methodology 28 (2002), the jackknife by clusters.
 #[must_use]
 pub fn fit(windows: &Windows, model: &Model, start: &[f64], scale: &Scale) -> Option<WindowFit> {
     fit_within(windows, model, start, scale, 0.0)
@@ -105,22 +115,30 @@ pub(super) fn fit_within(
     cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
 }
 
-/// A fit to `windows` with standard errors that include the unknown input between its rows: none is smaller than the change
-/// of its parameter by omitting every other row of the input, the mean of both ways, by one step. That error does not
-/// appear in the residuals, since the parameters absorb it. A held input is known between its rows.
+/// A fit to `windows` with standard errors that include the unknown input between its rows: the change of its parameter by
+/// omitting every other row of the input, the mean of both ways, by one step. That error does not appear in the residuals, since
+/// the parameters absorb it, and is independent of theirs. A held input is known between its rows; there the time of the input
+/// is wrong by the error of its interpolation.
 ///
 /// ```text
-/// δθ = H⁻¹ (mean of the scores at half the rate - score)
+/// se² + δθ²,   δθ = H⁻¹ (mean of the scores at half the rate - score)
 /// ```
 pub(super) fn with_sampling(mut fit: WindowFit, windows: &Windows) -> WindowFit {
-    if windows.hold == Hold::Constant {
-        return fit;
-    }
     let free = fit.model.free();
     let sums = |windows: &Windows| -> Option<(DVector<f64>, DMatrix<f64>)> {
         let sums = windows.sums(&fit.model, &fit.p, &free)?;
         Some((sums.iter().map(|s| &s.score).sum(), sums.iter().map(|s| &s.information).sum()))
     };
+    if windows.hold == Hold::Constant {
+        let time = fit.model.index_of(SYMBOL).ok();
+        let place = time.and_then(|j| free.iter().position(|&k| k == j));
+        if let (Some(n), Some((_, information))) = (place, sums(windows)) {
+            let rows = windows.recordings.iter().map(|r| r.step());
+            let late = INTERPOLATION * rows.fold(0.0, f64::max);
+            add_errors(&mut fit, &free, &by_time(&information, n, late));
+        }
+        return fit;
+    }
     let halved = |phase: usize| {
         let recordings = windows.halved(phase);
         sums(&windows.with_recordings(recordings.iter().collect()))
@@ -131,18 +149,86 @@ pub(super) fn with_sampling(mut fit: WindowFit, windows: &Windows) -> WindowFit 
         return fit;
     };
     let moved = Information::new(&information).solve(&(0.5 * (even + odd) - score));
-    let mut all = DVector::zeros(fit.p.len());
-    free.iter().zip(moved.iter()).for_each(|(&j, by)| all[j] = *by);
-    raise_errors(&mut fit.covariance, &all);
+    add_errors(&mut fit, &free, &moved);
     fit
 }
 
-/// Covariance of the free parameters from the sums of the windows over them.
+/// Adds independent errors of the `free` parameters to their standard errors.
+fn add_errors(fit: &mut WindowFit, free: &[usize], errors: &DVector<f64>) {
+    let mut all = DVector::zeros(fit.p.len());
+    let both = |j: usize, by: f64| fit.covariance[(j, j)].sqrt().hypot(by);
+    free.iter().zip(errors.iter()).for_each(|(&j, by)| all[j] = both(j, *by));
+    raise_errors(&mut fit.covariance, &all);
+}
+
+/// Change of a fit, with its information over the free parameters, if the time at place `n` among them is wrong by `late`.
+///
+/// ```text
+/// δ_others = -H⁻¹ h late,   H: information of the others, h: their column of the time
+/// ```
+fn by_time(information: &DMatrix<f64>, n: usize, late: f64) -> DVector<f64> {
+    let others = information.clone().remove_row(n).remove_column(n);
+    let column = information.column(n).into_owned().remove_row(n);
+    let moved = Information::new(&others).solve(&(column * -late));
+    moved.insert_row(n, late)
+}
+
+/// Covariance of the free parameters from the sums of the windows over them; infinite where fewer windows than parameters, or
+/// a single window, determine a parameter.
 fn covariance(sums: &[Sums]) -> DMatrix<f64> {
-    let known = Information::new(&sums.iter().map(|s| &s.information).sum());
-    let (m, p) = (sums.len() as f64, known.scale().len() as f64);
-    let inflation = if m > p { m / (m - p) } else { f64::INFINITY };
-    let mut out = sandwich(&known.inverse(), sums.iter().map(|s| &s.score)) * inflation;
-    known.unidentifiable().into_iter().for_each(|j| out[(j, j)] = f64::INFINITY);
+    let total: DMatrix<f64> = sums.iter().map(|s| &s.information).sum();
+    let known = Information::new(&total);
+    let (m, columns) = (sums.len(), known.scale().len());
+    let mut unknown = known.unidentifiable();
+    let mut out = DMatrix::zeros(columns, columns);
+    for window in sums {
+        let without = Information::new(&(&total - &window.information));
+        let change = without.solve(&window.score);
+        out += &change * change.transpose();
+        unknown.extend(without.unidentifiable());
+    }
+    out *= (m as f64 - 1.0) / m as f64;
+    if m <= columns {
+        unknown = (0..columns).collect();
+    }
+    unknown.into_iter().for_each(|j| out[(j, j)] = f64::INFINITY);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_covariance_is_that_of_the_jackknife() {
+        // y = c x by least squares, one row a window, is linear: one step is the fit without that window
+        let rows = [(1.0, 1.0), (1.0, 3.0), (2.0, 4.0), (3.0, 5.0)];
+        let all = rows.iter().map(|(x, y)| x * y).sum::<f64>() / 15.0;
+        let sums: Vec<Sums> = rows
+            .iter()
+            .map(|(x, y)| Sums {
+                square: 0.0,
+                score: DVector::from_element(1, x * (y - all * x)),
+                information: DMatrix::from_element(1, 1, x * x),
+            })
+            .collect();
+        let without = |n: usize| {
+            let others = || rows.iter().enumerate().filter(move |(k, _)| *k != n).map(|(_, r)| r);
+            let square: f64 = others().map(|(x, _)| x * x).sum();
+            others().map(|(x, y)| x * y).sum::<f64>() / square
+        };
+        let expected = 0.75 * (0..4).map(|n| (without(n) - all).powi(2)).sum::<f64>();
+        assert!((covariance(&sums)[(0, 0)] - expected).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_parameter_that_one_window_determines_has_no_error() {
+        let window = |a: f64, b: f64| Sums {
+            square: 0.0,
+            score: DVector::from_vec(vec![0.1 * a, 0.1 * b]),
+            information: DMatrix::from_diagonal(&DVector::from_vec(vec![a, b])),
+        };
+        let covariance = covariance(&[window(1.0, 0.0), window(1.0, 0.0), window(1.0, 1.0)]);
+        assert!(covariance[(0, 0)].is_finite() && covariance[(1, 1)].is_infinite());
+    }
 }

@@ -31,7 +31,8 @@ pub fn parameters_of(fit: &WindowFit, unit: DriveUnit) -> Vec<ParameterStudy> {
             error if error > spec.range.1 - spec.range.0 => f64::INFINITY,
             error => error,
         };
-        let estimate = Estimate::new(&spec.symbol, unit.of(&spec.unit), fit.p[j], std_error);
+        let estimate = Estimate::new(&spec.symbol, unit.of(&spec.unit), fit.p[j], std_error)
+            .with_degrees(fit.degrees());
         ParameterStudy {
             effect: parameter.effect.clone(),
             meaning: spec.meaning.clone(),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Search;
 use crate::diagnose::acceptance::{Fall, fall_of};
-use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::fit::{WindowFit, fit, with_sampling};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -105,9 +105,10 @@ impl Search<'_> {
     }
 
     /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
-    /// zero.
+    /// zero by the standard error that is reported.
     fn stands(&self, step: &Step) -> bool {
-        self.passes(&step.last) && self.passes(&step.total) && has_size(&step.fit, &step.id)
+        let is_sized = || has_size(&with_sampling(step.fit.clone(), &self.windows), &step.id);
+        self.passes(&step.last) && self.passes(&step.total) && is_sized()
     }
 
     /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
@@ -322,12 +323,23 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
 
-/// Whether a linear parameter of an effect, if it has any, differs from zero by more than its uncertainty: an
-/// effect that the training recordings do not show may lower the held-out error by accident.
+/// Whether a linear parameter of an effect, or the time of a shift, differs from zero by more than its uncertainty: an
+/// effect that the training recordings do not show may lower the held-out error by accident. Recordings with fewer windows than
+/// parameters do not give the error of a time.
 pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
-    let own = fit.model.parameters().iter().enumerate().filter(|(_, p)| p.effect == id);
-    let linear = own.filter(|(_, p)| p.spec.kind == ParameterKind::Linear);
-    let errors = |j: usize| fit.p[j].abs() / fit.covariance[(j, j)].sqrt();
-    let mut sizes = linear.map(|(j, _)| errors(j)).peekable();
-    sizes.peek().is_none() || sizes.any(|size| size > THRESHOLDS.uncertain)
+    let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
+        return false;
+    };
+    let (effect, slots) = (&fit.model.effects()[e], fit.model.slots(e));
+    let is_sized = |j: usize| fit.p[j].abs() > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
+    if effect.change() == Change::TimeShift {
+        return fit.is_short() || is_sized(slots.start + effect.time());
+    }
+    let specs = effect.parameters();
+    let mut linear = slots
+        .zip(&specs)
+        .filter(|(_, s)| s.kind == ParameterKind::Linear)
+        .map(|(j, _)| j)
+        .peekable();
+    linear.peek().is_none() || linear.any(is_sized)
 }
