@@ -4,6 +4,10 @@ use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale}
 use crate::math::Real;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::simulate::{Hold, held_later};
+
+/// Error of the time due to interpolation of the input between its rows, in rows.
+pub(super) const INTERPOLATION: f64 = 0.02;
 
 /// Id of the nuisance effect in models of the diagnosis; it is not an effect of the catalogue.
 pub(super) const ID: &str = "input_timing";
@@ -142,10 +146,14 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     t.iter().map(at_row).collect()
 }
 
-/// A recording whose input acts `shift` seconds later.
+/// A recording whose input acts `shift` seconds later; one that is held between the rows by the mean over each row.
 #[must_use]
-pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
-    recording.with_interpolated_torque(shifted(recording, recording.torque(), shift))
+pub fn with_later_input(recording: &Recording, shift: f64, hold: Hold) -> Recording {
+    let torque = recording.torque();
+    recording.with_interpolated_torque(match hold {
+        Hold::Linear => shifted(recording, torque, shift),
+        Hold::Constant => held_later(recording, torque, shift),
+    })
 }
 
 /// A signal of a recording delayed by `shift` seconds, by cubic interpolation between its rows; the end

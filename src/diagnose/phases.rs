@@ -65,7 +65,7 @@ pub fn phases(
         for (k, own) in own.iter().enumerate() {
             let shift_s = phases[k].shift_s + own.shift_s - mean;
             phases[k] = Phase { shift_s, ..*own };
-            moved[k] = with_later_input(recordings[k], shift_s);
+            moved[k] = with_later_input(recordings[k], shift_s, hold);
         }
     }
     for (k, phase) in phases.iter_mut().enumerate() {

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
-use super::input_timing::{InputTiming, SYMBOL};
+use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL};
 use super::onset::latest_dead_time;
 use super::regression::{Regression, Smoothed};
 use super::scale::scale_of;
@@ -19,8 +19,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// Error of the time due to interpolation of the input between its rows, in rows.
-const INTERPOLATION: f64 = 0.02;
 /// Range of the search, in rows, and its resolution.
 pub(super) const EARLIEST: f64 = -1.5;
 const RESOLUTION: f64 = 0.1;

@@ -4,8 +4,8 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    Judge, LONGEST_DELAY, SpeedFilter, StartAngle, advanced, held_input, phases, shapes_placed,
-    speed_filter, start_angles, timing, with_later_input,
+    Computed, Judge, LONGEST_DELAY, SpeedFilter, StartAngle, Timing, advanced, held_input, phases,
+    shapes_placed, speed_filter, start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
@@ -88,14 +88,27 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
-    if let Some(timing) = plan.timing.filter(|t| t.correction_s != 0.0) {
+    if let Some(timing) = plan.timing {
         for MeasuredRecording { recording, .. } in &mut plan.recordings {
-            *recording = with_later_input(recording, timing.correction_s);
+            recording.set_input_time_error(time_error(&timing, recording.step()));
+            if timing.correction_s != 0.0 {
+                *recording = with_later_input(recording, timing.correction_s, plan.hold);
+            }
         }
     }
     if asked.settings.starts {
         start_alike(plan);
     }
+}
+
+/// Standard error of the time of an input \[s\] from its measurement and from logging, by which it is anywhere in its row of
+/// `step` seconds.
+///
+/// ```text
+/// 1/s² = 1/se² + 12/h²
+/// ```
+fn time_error(timing: &Timing, step: f64) -> f64 {
+    (timing.std_error_s.powi(-2) + 12.0 / (step * step)).sqrt().recip()
 }
 
 /// Ratio of the error that noise of the input would cause to the observed error above which the latter refutes it: the noise
@@ -184,14 +197,15 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
 fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    let SpeedFilter { time_s, std_error_s, or_late } =
-        speed_filter(&plan.model, start, &recordings, plan.hold)?;
-    let kind = Kind::LowPass { time_s, std_error_s, or_late };
+    let filter = speed_filter(&plan.model, start, &recordings, plan.hold)?;
+    let SpeedFilter { computed, time_s, std_error_s, or_late } = filter;
+    let at_rows = computed == Computed::AtRows;
+    let kind = Kind::LowPass { at_rows, time_s, std_error_s, or_late };
     for m in &mut plan.recordings {
         let found = [0, 1].map(|i| Finding::corrected(Channel::Speed(i), kind, "speeds", correct));
         m.conditioning.extend(found);
         if correct {
-            m.recording = advanced(&m.recording, time_s);
+            m.recording = advanced(&m.recording, &filter);
         }
     }
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
@@ -216,7 +230,7 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
         let kind = Kind::Phase { shift_s: phase.shift_s, std_error_s: phase.std_error_s };
         let moved = [0, 1].map(|i| Finding::corrected(Channel::Input(i), kind, "rows", true));
         m.conditioning.extend(moved);
-        m.recording = with_later_input(&m.recording, phase.shift_s);
+        m.recording = with_later_input(&m.recording, phase.shift_s, plan.hold);
     }
 }
 

@@ -244,7 +244,8 @@ fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
     let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
     if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
-        let moved: Vec<Recording> = task.train.iter().map(|r| with_later_input(r, late)).collect();
+        let later = |r| with_later_input(r, late, task.hold);
+        let moved: Vec<Recording> = task.train.iter().map(later).collect();
         out.extend(start::start(&Task { train: &moved, ..*task }, "diagnosis").ok());
     }
     out.extend(start::start(task, "diagnosis").ok());

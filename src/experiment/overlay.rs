@@ -80,7 +80,7 @@ impl Table {
         mark: &str,
         unit: &str,
     ) -> Result<(), SimulateError> {
-        let recording = &with_later_input(recording, fitted.input_shift_s);
+        let recording = &with_later_input(recording, fitted.input_shift_s, hold);
         let dynamics = PhysicalDynamics { model: fitted.model.clone(), p: fitted.values() };
         let simulated = simulate_recording(&dynamics, recording, hold)?;
         let speeds = |states: &[crate::robot::State]| -> Vec<[f64; 2]> {

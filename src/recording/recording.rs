@@ -33,6 +33,8 @@ pub struct Recording {
     noise_of_jumps: f64,
     /// Autocorrelated noise of the input, right wheel first.
     slow_input_noise: [SlowNoise; 2],
+    /// Standard error of the time of the input \[s\].
+    input_time_error: f64,
     /// What is computed from angles and speeds on first use; copies with the same motion share it.
     kept: Arc<Kept>,
 }
@@ -102,6 +104,7 @@ impl Recording {
             recorded_input_noise: None,
             noise_of_jumps: 1.0,
             slow_input_noise: [SlowNoise::default(); 2],
+            input_time_error: 0.0,
             kept: Arc::default(),
         })
     }
@@ -262,6 +265,18 @@ impl Recording {
         self.slow_input_noise
     }
 
+    /// Sets the standard error of the time at which the recorded input acts \[s\].
+    pub fn set_input_time_error(&mut self, error: f64) {
+        self.input_time_error = error;
+    }
+
+    /// Standard error of the time at which the recorded input acts \[s\]; zero unless set by
+    /// [`Recording::set_input_time_error`].
+    #[must_use]
+    pub fn input_time_error(&self) -> f64 {
+        self.input_time_error
+    }
+
     pub(super) fn recorded_input_noise(&self) -> Option<[f64; 2]> {
         self.recorded_input_noise
     }
@@ -293,8 +308,10 @@ impl Recording {
             torque: self.torque[range].to_vec(),
         };
         let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
-        let Self { recorded_input_noise, noise_of_jumps, slow_input_noise, .. } = *self;
-        Ok(Self { recorded_input_noise, noise_of_jumps, slow_input_noise, ..cut })
+        let Self {
+            recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..
+        } = *self;
+        Ok(Self { recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..cut })
     }
 }
 

@@ -50,6 +50,33 @@ pub(crate) fn every_other(
     out
 }
 
+/// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its integral is
+/// exact. The end values of every piece are held.
+pub(crate) fn held_later(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
+    let t = recording.t();
+    let mut out = signal.to_vec();
+    for piece in recording.pieces() {
+        let (first, last) = (piece.start, piece.end - 1);
+        // integral from the first row on, a line between the rows
+        let mut sums = vec![[0.0; 2]];
+        for k in first..last {
+            let sum = sums[k - first];
+            sums.push([0, 1].map(|i| sum[i] + signal[k][i] * (t[k + 1] - t[k])));
+        }
+        let integral = |at: f64| {
+            let k = (first + t[first..=last].partition_point(|v| *v <= at)).saturating_sub(1);
+            let k = k.max(first);
+            [0, 1].map(|i| sums[k - first][i] + signal[k][i] * (at - t[k]))
+        };
+        for k in first..=last {
+            let h = if k < last { t[k + 1] - t[k] } else { recording.step() };
+            let (from, to) = (integral(t[k] - shift), integral(t[k] + h - shift));
+            out[k] = [0, 1].map(|i| (to[i] - from[i]) / h);
+        }
+    }
+    out
+}
+
 /// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of its
 /// values before and after acts as much later as the held one.
 pub(crate) fn at_rows(pieces: &[Range<usize>], acting: &[[f64; 2]], hold: Hold) -> Vec<[f64; 2]> {
@@ -105,4 +132,32 @@ pub enum Structure {
     Parallel,
     /// From the measured state.
     SerialParallel,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Channels, DriveUnit};
+
+    #[test]
+    fn a_held_input_is_delayed_by_whole_rows_and_by_the_mean_over_a_row() {
+        let t: Vec<f64> = (0..12).map(|k| 0.01 * f64::from(k)).collect();
+        let held: Vec<[f64; 2]> =
+            (0..12).map(|k| [f64::from(k * k % 5), f64::from(k % 3)]).collect();
+        let omega = Some(held.clone());
+        let channels = Channels { t, alpha: None, omega, torque: held.clone() };
+        let recording = Recording::new("held", channels, DriveUnit::Volt).unwrap();
+        for (shift, rows) in [(0.02, 2), (0.0, 0), (-0.01, -1)] {
+            let later = held_later(&recording, &held, shift);
+            for k in 0..12 {
+                let from = (k - rows).clamp(0, 11) as usize;
+                assert!((later[k as usize][0] - held[from][0]).abs() < 1e-9, "{shift} {k}");
+            }
+        }
+        let later = held_later(&recording, &held, 0.003);
+        for k in 1..12 {
+            let mean = 0.3 * held[k - 1][0] + 0.7 * held[k][0];
+            assert!((later[k][0] - mean).abs() < 1e-9, "{k}");
+        }
+    }
 }

@@ -109,7 +109,7 @@ fn a_dead_time_is_no_low_pass_of_the_sensor() {
 fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
     let recording = recorded(&[], NoiseLevel { torque: 0.01, ..NOISE }, 18);
     let before = recording.noise().torque;
-    let moved = with_later_input(&recording, 0.005);
+    let moved = with_later_input(&recording, 0.005, Hold::Linear);
     assert_eq!(moved.noise().torque, before);
     // between the rows the mean of four remains, whose fourth differences lack what is fastest
     let plain = recording.with_torque(moved.torque().to_vec()).noise().torque;

@@ -10,4 +10,6 @@ pub(crate) enum Reading {
     HalfRate(usize),
     /// As recorded, also for the derivatives, to determine the effect of its noise.
     Noisy,
+    /// Held between the rows and later by its standard error, to determine the effect of the time of the input.
+    Later,
 }

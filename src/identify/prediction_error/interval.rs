@@ -25,12 +25,22 @@ pub(super) struct Spread {
 /// since the larger of two is used already. With no more blocks than columns only the likelihood is used.
 ///
 /// An input that is not held is unknown between its rows: no standard error is smaller than the change of the solution
-/// by halving its rate, the mean over both halves of the rows ([`at_least`]).
+/// by halving its rate, the mean over both halves of the rows ([`at_least`]). The time of an input that is held is not
+/// estimated: to the covariance is added what its standard error ([`Recording::input_time_error`]) changes.
+///
+/// ```text
+/// C + δδ',   δ: change of the solution with the input later by one standard error
+/// ```
+///
+/// [`Recording::input_time_error`]: crate::recording::Recording::input_time_error
 ///
 /// Source: White, Econometrica 50 (1982); Liang and Zeger, Biometrika 73 (1986).
 pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {
     let mut out = of_scores(solution);
     if filter.hold == Hold::Constant {
+        if let Some(moved) = solution.moved_by(filter, model, Reading::Later) {
+            out.covariance += &moved * moved.transpose();
+        }
         return out;
     }
     let moved = [0, 1].map(|phase| solution.moved_by(filter, model, Reading::HalfRate(phase)));
