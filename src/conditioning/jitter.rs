@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_high, pieces};
-use super::{Conditioned, Settings};
+use super::{Conditioned, Context, Settings};
 use crate::math::Moments;
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
@@ -30,8 +30,9 @@ const SURE: f64 = 5.0;
 /// z = mean d/(sd d/√m) > 5,   d: Σ (e_stamp² - e_even²) over blocks of 16 rows, m of them
 /// ```
 /// White noise of the sensors alone gives both the same e; a sensor that was read at uneven times, as stamped, gives the
-/// even times the larger one.
-pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
+/// even times the larger one. If another recording of the same log shows even rows, a recording whose own motion does not
+/// contradict this as clearly (z < -5) is treated alike: recordings at other times would differ in their inertia.
+pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if !settings.rows || in_batches(work) {
         return;
     }
@@ -48,7 +49,8 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings) {
     let Some(values) = work.channels.alpha.as_ref().or(work.channels.omega.as_ref()) else {
         return;
     };
-    if !is_smoother(values, t, &even, &pieces) {
+    let shown = context.even_times && !is_smoother(values, &even, t, &pieces);
+    if !shown && !is_smoother(values, t, &even, &pieces) {
         return;
     }
     work.channels.t = even;
@@ -197,7 +199,7 @@ mod tests {
     #[test]
     fn scattered_stamps_of_even_rows_are_made_even() {
         let mut work = work(0.0, 0.3, 1e-3);
-        even_times(&mut work, &Settings::default());
+        even_times(&mut work, &Settings::default(), &Context::default());
         assert!(
             matches!(work.findings[0].kind, Kind::Jitter { share } if (0.08..0.095).contains(&share))
         );
@@ -206,6 +208,20 @@ mod tests {
         for (found, is) in work.channels.t.iter().zip(true_times) {
             assert!((found - is).abs() < 6e-4, "{found} {is}");
         }
+    }
+
+    #[test]
+    fn what_another_recording_of_the_log_shows_holds_unless_the_motion_contradicts() {
+        let known = Context { even_times: true, ..Context::default() };
+        // noise of the sensor hides the scatter of the stamps
+        for context in [known, Context::default()] {
+            let mut work = work(0.0, 0.3, 1.0);
+            even_times(&mut work, &Settings::default(), &context);
+            assert_eq!(!work.findings.is_empty(), context.even_times);
+        }
+        let mut uneven = work(0.3, 0.0, 1e-3);
+        even_times(&mut uneven, &Settings::default(), &known);
+        assert!(uneven.findings.is_empty());
     }
 
     #[test]
@@ -226,7 +242,7 @@ mod tests {
         };
         work.channels.alpha = Some(values);
         work.channels.t = even.iter().enumerate().map(late).collect();
-        even_times(&mut work, &Settings::default());
+        even_times(&mut work, &Settings::default(), &Context::default());
         assert!(matches!(work.findings[0].kind, Kind::Batches { .. }), "{:?}", work.findings);
         // 20 ms late on average; the line through a hundred stamps that scatter by 13 ms
         let off: Vec<f64> = work.channels.t.iter().zip(&even).map(|(a, b)| a - b - 0.02).collect();
@@ -237,15 +253,15 @@ mod tests {
     fn rows_that_were_read_at_uneven_times_keep_their_stamps() {
         for noise in [1e-4, 1e-2] {
             let mut uneven = work(0.3, 0.0, noise);
-            even_times(&mut uneven, &Settings::default());
+            even_times(&mut uneven, &Settings::default(), &Context::default());
             assert!(uneven.findings.is_empty());
         }
         let mut exact = work(0.0, 0.0, 1e-3);
-        even_times(&mut exact, &Settings::default());
+        even_times(&mut exact, &Settings::default(), &Context::default());
         assert!(exact.findings.is_empty());
         let off = Settings { rows: false, ..Settings::default() };
         let mut left = work(0.0, 0.3, 1e-3);
-        even_times(&mut left, &off);
+        even_times(&mut left, &off, &Context::default());
         assert!(left.findings.is_empty());
     }
 }

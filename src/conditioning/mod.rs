@@ -69,6 +69,8 @@ pub struct Context {
     pub speeds_of_angles: Option<f64>,
     /// The encoder of speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
+    /// Whether another recording of the same log shows that its rows are even and the stamps those of a receiver.
+    pub even_times: bool,
 }
 
 /// Conditions the channels of a recording.
@@ -105,7 +107,7 @@ pub fn condition(
         return Ok(work); // the check of the recording reports a recording that is too short, or a time that does not increase
     }
     counts::angles(&mut work, settings, context);
-    jitter::even_times(&mut work, settings);
+    jitter::even_times(&mut work, settings, context);
     align::read_in_turn(&mut work, settings, context);
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);

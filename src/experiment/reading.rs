@@ -42,6 +42,8 @@ pub(super) struct Shown {
     pub(super) speeds_of_angles: Option<f64>,
     /// The encoder behind speeds without angles.
     pub(super) encoders: Encoders,
+    /// Even rows with the stamps of a receiver.
+    pub(super) even_times: bool,
 }
 
 impl Reading {
@@ -145,8 +147,9 @@ impl Reading {
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
         let commanded = self.drive_unit == DriveUnit::Volt;
         let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
-        let Shown { speed_lag, speeds_of_angles, encoders } = self.shown;
-        let context = Context { wheel_radius, commanded, speed_lag, speeds_of_angles, encoders };
+        let Shown { speed_lag, speeds_of_angles, encoders, even_times } = self.shown;
+        let context =
+            Context { wheel_radius, commanded, speed_lag, speeds_of_angles, encoders, even_times };
         let channels = std::mem::take(&mut raw.channels);
         let done = condition(channels, &self.conditioning, &context)
             .map_err(|e| words(format!("{}: {e}", raw.name)))?;

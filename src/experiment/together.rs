@@ -8,7 +8,7 @@ use super::error::{ExperimentError, Meaning};
 use super::reading::{Reading, Shown};
 use super::source::MeasuredRecording;
 use crate::conditioning::{
-    Encoders, Finding, SpeedLag, common_encoders, common_lag, common_share, lags_differ,
+    Encoders, Finding, Kind, SpeedLag, common_encoders, common_lag, common_share, lags_differ,
 };
 use crate::recording::share_noise;
 use crate::study::Role;
@@ -97,7 +97,7 @@ pub(super) fn read_together(all: &[(Role, Unread)]) -> Result<Vec<MeasuredRecord
 }
 
 /// Recordings of one robot and logger that were read each by itself ([`Unread::read`]), as those of an experiment file
-/// are: what one of them shows of its encoders or of a lag of its speeds holds for all, for which some are read again,
+/// are: what one of them shows of its encoders, its stamps or a lag of its speeds holds for all, for which some are read again,
 /// and short ones have the noise of the sensors of long ones.
 ///
 /// # Errors
@@ -132,6 +132,12 @@ fn settled(
             shown.encoders = Encoders::None;
             again(shown, &mut measured, &counts)?;
         }
+    }
+    let even =
+        |findings: &[Finding]| findings.iter().any(|f| matches!(f.kind, Kind::Jitter { .. }));
+    if findings_of(&measured).any(even) {
+        shown.even_times = true;
+        again(shown, &mut measured, &|findings| !even(findings))?;
     }
     let whole = measured.iter().filter(|m| m.long.is_none());
     let refresh =
