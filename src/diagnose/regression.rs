@@ -384,6 +384,10 @@ const COLLINEAR: f64 = 1e-4;
 
 /// Orthonormal columns that span those of `columns`.
 fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    // a model whose parameters are all given has none
+    if columns.is_empty() {
+        return DMatrix::zeros(columns.nrows(), 0);
+    }
     for mut column in columns.column_iter_mut() {
         let norm = column.norm();
         if norm > 0.0 {

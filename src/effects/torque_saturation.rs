@@ -29,10 +29,16 @@ impl Physics for TorqueSaturation {
         vec![ParameterSpec::shape("limit", "largest torque", "N m", (1e-6, 1e6), 0.3)]
     }
 
-    /// Limits from the median of the torques to the largest torques, and one that is not reached.
+    /// Limits from above the median of the torques to nearly the largest ones.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
-        let quantiles = [0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
+        let quantiles = [0.55, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
         quantiles.into_iter().map(|share| vec![scale.torque_quantile(share)]).collect()
+    }
+
+    /// From the median of the torques: below it a limit replaces most of the input by a constant of either sign, which, with
+    /// all parameters in proportion to it, is no more than an input without its noise.
+    fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
+        vec![(scale.torque_quantile(0.5).max(1e-6), 1e6)]
     }
 
     fn several_starts(&self) -> bool {
