@@ -78,9 +78,7 @@ fn the_movement_of_the_paper_raises_notes_alone() {
     let r = input(&Movement::paper(), None);
     finds(&r, &[]);
     let q = quality(&r, &Robot::amigobot());
-    assert!(
-        q.findings.iter().any(|f| f.issue.stated().what() == "wheel 1 (right) turns forward only")
-    );
+    assert!(q.findings.iter().any(|f| f.what() == "wheel 1 (right) turns forward only"));
 }
 
 #[test]
@@ -156,13 +154,7 @@ fn spikes_are_counted_and_the_first_is_shown() {
     finds(&r, &[&["dalpha1 has 3 spikes (first at t = 4.000 s"]]);
     // a torque can jump: that is a note
     let notes = quality(&r, &Robot::amigobot()).findings;
-    assert!(
-        notes.iter().any(|f| f
-            .issue
-            .stated()
-            .what()
-            .contains("M2 has 1 spike (first at t = 10.000 s"))
-    );
+    assert!(notes.iter().any(|f| f.what().contains("M2 has 1 spike (first at t = 10.000 s")));
 }
 
 #[test]
@@ -206,13 +198,7 @@ fn gaps_jitter_short_and_slow_recordings_are_named() {
     let q = quality(&gap, &Robot::amigobot());
     assert_eq!(q.gaps.count, 1);
     assert!((q.gaps.longest - 1.51).abs() < 1e-9);
-    assert!(
-        q.findings.iter().any(|f| f
-            .issue
-            .stated()
-            .what()
-            .starts_with("1 gap in time, the longest 1.51"))
-    );
+    assert!(q.findings.iter().any(|f| f.what().starts_with("1 gap in time, the longest 1.51")));
     let uneven = with(&r, |c| {
         for k in (1..c.t.len()).step_by(2) {
             c.t[k] += 0.006;

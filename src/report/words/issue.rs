@@ -238,6 +238,20 @@ fn number(count: Span<usize>, what: &str) -> String {
     format!("{count} {what}{plural}")
 }
 
+impl Finding {
+    /// What was seen.
+    #[must_use]
+    pub fn what(&self) -> String {
+        self.issue.stated().what()
+    }
+
+    /// What to do, or what follows from it.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        self.issue.stated().remedy()
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.issue.stated().fmt(f)
