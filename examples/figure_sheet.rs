@@ -100,12 +100,7 @@ fn residuals() -> Figure {
         panel("After")
             .with(dots(ColourRole::Wheel1, 1))
             .with(Layer::hline(0.3, "3σ", ColourRole::Highlight))
-            .with(Layer::vline(-2.0, "slip begins", ColourRole::Ink))
-            .with(Layer::Text {
-                at: (3.5, 0.35),
-                text: "wheel 1 slips here".into(),
-                role: ColourRole::Ink,
-            }),
+            .with(Layer::vline(-2.0, "slip begins", ColourRole::Ink)),
     )
 }
 

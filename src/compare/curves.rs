@@ -6,6 +6,7 @@ use super::mean::{Mean, Sample, clustered_factor};
 use super::residual_torque::{motion_of, residual_torque};
 use super::split_noise::with_split_noise;
 use super::unexplained_torque::Variable;
+use crate::math;
 use crate::math::distribution::chi2_log_survival;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -237,7 +238,7 @@ fn curve(bins: &Bins<'_>, v: usize, acting: Acting, independent: f64, has_after:
     let (before, means) = model(|r| r.before);
     let after = has_after.then(|| model(|r| r.after));
     let made = bins.iter().enumerate().map(|(n, (joined, bin))| CurveBin {
-        at: bin.iter().map(|r| r.values[v]).sum::<f64>() / bin.len() as f64,
+        at: math::mean(bin.iter().map(|r| r.values[v])),
         joined: *joined,
         before: means[n],
         after: after.as_ref().map(|(_, means)| means[n]),

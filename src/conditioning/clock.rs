@@ -12,7 +12,7 @@ use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
 use super::jitter::by_number;
 use super::signal::{changes, is_increasing, median_high};
-use crate::math::Line;
+use crate::math::{Line, mean};
 use crate::recording::REGULAR;
 
 /// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
@@ -37,7 +37,7 @@ pub(super) fn coarse(work: &mut Conditioned) {
     if t.windows(2).any(|w| w[1] < w[0]) || inner.len() < 2 || is_twice(work) {
         return;
     }
-    let mean = inner.iter().map(|r| r.len() as f64).sum::<f64>() / inner.len() as f64;
+    let mean = mean(inner.iter().map(|r| r.len() as f64));
     if mean < ROWS_A_TICK {
         return;
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_high, pieces};
 use super::{Conditioned, Context, Settings};
-use crate::math::Moments;
+use crate::math::{Moments, rms};
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
 const LITTLE: f64 = 0.01;
@@ -41,7 +41,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
     let even: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
     let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
     let off: Vec<f64> = t.iter().zip(&even).map(|(t, even)| (t - even) / step).collect();
-    let share = (off.iter().map(|o| o * o).sum::<f64>() / off.len() as f64).sqrt();
+    let share = rms(off.iter().copied());
     let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
     if !(share > LITTLE) || far > FEW * off.len() as f64 || !is_increasing(&even) {
         return;

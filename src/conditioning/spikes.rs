@@ -43,6 +43,10 @@ pub(super) struct Spike {
 pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     let fresh = refreshed(&work.channels);
     let samples: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
+    let steps: Vec<bool> = {
+        let steps = steps_before(&work.channels.torque);
+        (0..fresh.len()).map(steps).collect()
+    };
     for i in 0..2 {
         for name in [Channel::Angle(i), Channel::Speed(i)] {
             let values = match name {
@@ -51,10 +55,7 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
             };
             let Some(values) = values.map(|v| column(v, i)) else { continue };
             let mut found = spikes(&work.channels.t, &values, &samples);
-            {
-                let steps = steps_before(&work.channels.torque);
-                found.retain(|spike| !steps(spike.rows.start));
-            }
+            found.retain(|spike| !steps[spike.rows.start]);
             correct(work, settings, name, &found);
         }
     }

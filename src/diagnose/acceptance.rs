@@ -2,6 +2,7 @@
 
 use super::thresholds::THRESHOLDS;
 use crate::math::distribution::t_survival;
+use crate::math::mean;
 
 /// Largest correlation of neighbouring windows that is corrected for.
 const MOST_CORRELATED: f64 = 0.9;
@@ -58,7 +59,7 @@ pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     let telling = effective(&w) >= THRESHOLDS.fewest_windows as f64;
     let w = if telling { w } else { vec![1.0; d.len()] };
     let p_value = probability(&d, &w);
-    let mean = d.iter().sum::<f64>() / d.len() as f64;
+    let mean = mean(d.iter().copied());
     let ratio = (after.iter().sum::<f64>() / before.iter().sum::<f64>()).sqrt();
     Fall { p_value, share: 1.0 - (-0.5 * mean).exp(), ratio, windows: d.len(), later: false }
 }

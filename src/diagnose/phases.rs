@@ -7,6 +7,7 @@ use super::thresholds::THRESHOLDS;
 use super::timing::{Timed, over_windows, timed};
 use crate::compare::{simulate_recording, window_rms};
 use crate::effects::Scale;
+use crate::math::mean;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Hold, PhysicalDynamics};
@@ -54,7 +55,7 @@ pub fn phases(
     for round in 0..ROUNDS {
         let now: Vec<&Recording> = moved.iter().collect();
         let own = own_times(model, p, &now, train, hold, &scale)?;
-        let mean = own[..train].iter().map(|own| own.shift_s).sum::<f64>() / train as f64;
+        let mean = mean(own[..train].iter().map(|own| own.shift_s));
         let differs = |own: &Phase| {
             let apart = (own.shift_s - mean).abs();
             apart > SURE * own.std_error_s && apart > LEAST * scale.step

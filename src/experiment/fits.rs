@@ -53,10 +53,7 @@ fn fit(
     let long: Vec<Option<&LongRecording>> = long.iter().map(Option::as_ref).collect();
     let start = Instant::now();
     let identify = |excited: &Excited| {
-        let Task { model, train, hold, .. } = *excited.task();
-        let fit = super::long::identify(&*method.method, excited, &long)?;
-        let fit = fit.between_rows(train, hold).under_one_size(model, train);
-        Ok(fit.driving_frictions(model))
+        super::long::identify(&*method.method, excited, &long).map(|fit| excited.qualified(fit))
     };
     let fit = match late {
         Some(timing) => with_dead_time(excited, timing, identify),

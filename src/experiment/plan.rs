@@ -174,11 +174,4 @@ impl Plan {
         let train = self.recordings.iter().filter(|m| m.role == Role::Train);
         train.map(|m| m.long.clone()).collect()
     }
-
-    /// The recordings on which errors are judged: validation, or training if there is none.
-    #[must_use]
-    pub fn judged(&self) -> Vec<Recording> {
-        let validation = self.of(Role::Validation);
-        if validation.is_empty() { self.of(Role::Train) } else { validation }
-    }
 }

@@ -29,8 +29,7 @@ const FEWEST: usize = 10;
 impl Fit {
     /// The same with inertias marked as not identifiable, and a note with the reason, if the larger part of them may
     /// be due to the unknown input between the rows of the recordings. A held input is known between its rows.
-    #[must_use]
-    pub fn between_rows(mut self, train: &[Recording], hold: Hold) -> Self {
+    pub(super) fn between_rows(mut self, train: &[Recording], hold: Hold) -> Self {
         let inertias: Vec<usize> =
             [A1, A2, A3].into_iter().filter(|&j| self.is_estimated(j)).collect();
         let of = |j: usize| self.estimates.get(j).map_or(0.0, |e| e.value);

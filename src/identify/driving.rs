@@ -7,8 +7,7 @@ use crate::model::Model;
 impl Fit {
     /// The same with a note on friction parameters of `model` whose whole interval is negative: such an effect would not
     /// dissipate energy, so something else is wrong.
-    #[must_use]
-    pub fn driving_frictions(mut self, model: &Model) -> Self {
+    pub(super) fn driving_frictions(mut self, model: &Model) -> Self {
         let dissipates = |id: &str| {
             model.effects().iter().any(|e| e.id() == id && e.energy() == Energy::Dissipates)
         };

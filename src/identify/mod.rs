@@ -39,8 +39,8 @@ pub(crate) use one_size::{frictionless_start, start_without_friction};
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};
 pub use text::{details, overview};
+pub use unexcited::Excited;
 pub(crate) use unexcited::excited_start;
-pub use unexcited::{Excited, identify};
 
 use crate::catalogue;
 

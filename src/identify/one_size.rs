@@ -47,29 +47,19 @@ fn sizes(
 }
 
 /// The [`sizes`] of the input as the model of a task delays it.
-fn acting_sizes(model: &Model, train: &[Recording]) -> [Option<f64>; 2] {
-    let p = model.initial();
-    sizes(train, |r| model.input_of(r, r.torque(), &p))
+pub(super) fn acting_sizes(task: &Task) -> [Option<f64>; 2] {
+    let (model, p) = (task.model, task.model.initial());
+    sizes(task.train, |r| model.input_of(r, r.torque(), &p))
 }
 
-/// The model of a task without dry friction on wheels whose input has one size, as commands of a motor controller have, if it
-/// acts at some time up to `latest` seconds after its row, with the places of that friction; `None` if there are none. With
-/// such an input and that time the balance of torques is exact for any motion, and would determine the time.
-fn without_friction(task: &Task, latest: f64) -> Option<(Model, Vec<usize>)> {
-    let late = |r: &Recording, rows: usize| -> Vec<[f64; 2]> {
-        (0..r.len()).map(|k| r.torque()[k.saturating_sub(rows)]).collect()
-    };
-    let commanded = task.train.iter().all(|r| r.drive_unit() == DriveUnit::Volt);
-    let step = task.train.iter().map(Recording::step).fold(f64::INFINITY, f64::min);
-    let has = |sizes: &[Option<f64>; 2]| sizes.iter().any(Option::is_some);
-    let at = |rows: usize| match rows {
-        0 => acting_sizes(task.model, task.train),
-        rows => sizes(task.train, |r| late(r, rows)),
-    };
-    // inputs of several magnitudes have no one size at any time
-    let searched = if one_magnitude(task.train) { (latest / step) as usize } else { 0 };
-    let found = (0..=searched).filter(|_| commanded).map(at).find(has)?;
-    held_at_zero(task, found)
+/// Whether all inputs are voltages, as of commands.
+fn are_voltages(train: &[Recording]) -> bool {
+    train.iter().all(|r| r.drive_unit() == DriveUnit::Volt)
+}
+
+/// Whether the input of a wheel has one size.
+fn has_one(sizes: &[Option<f64>; 2]) -> bool {
+    sizes.iter().any(Option::is_some)
 }
 
 /// The model of a task with dry friction held at zero on wheels whose input has one of these `sizes`, and its places.
@@ -96,31 +86,47 @@ fn one_magnitude(train: &[Recording]) -> bool {
     })
 }
 
-/// The model of a task with dry friction held at zero where its voltages, of one size, cannot determine it, and the places of
-/// that friction.
-pub(super) fn frictionless(task: &Task) -> Option<(Model, Vec<usize>)> {
-    without_friction(task, 0.0)
+/// The model of a task with dry friction held at zero where its voltages, of the [`acting_sizes`], cannot determine it, and the
+/// places of that friction.
+pub(super) fn frictionless(task: &Task, sizes: [Option<f64>; 2]) -> Option<(Model, Vec<usize>)> {
+    let is_one = are_voltages(task.train) && has_one(&sizes);
+    is_one.then(|| held_at_zero(task, sizes)).flatten()
 }
 
-/// The same if the voltages have one size at some time up to `latest` seconds after their rows, with a start.
+/// The same model, with a start, if the voltages have one size at some time up to `latest` seconds after their rows, as commands
+/// of a motor controller have. With such an input and that time the balance of torques is exact for any motion, and would
+/// determine the time.
 pub(crate) fn frictionless_start(task: &Task, latest: f64) -> Option<(Model, Vec<f64>)> {
-    let (model, _) = without_friction(task, latest)?;
+    if !are_voltages(task.train) {
+        return None;
+    }
+    let late = |r: &Recording, rows: usize| -> Vec<[f64; 2]> {
+        (0..r.len()).map(|k| r.torque()[k.saturating_sub(rows)]).collect()
+    };
+    let step = task.train.iter().map(Recording::step).fold(f64::INFINITY, f64::min);
+    let at = |rows: usize| match rows {
+        0 => acting_sizes(task),
+        rows => sizes(task.train, |r| late(r, rows)),
+    };
+    // inputs of several magnitudes have no one size at any time
+    let searched = if one_magnitude(task.train) { (latest / step) as usize } else { 0 };
+    let found = (0..=searched).map(at).find(has_one)?;
+    let (model, _) = held_at_zero(task, found)?;
     let p = start(&Task { model: &model, ..*task }, "start").ok()?;
     Some((model, p))
 }
 
 /// A start without dry friction on wheels whose input has one size; `None` if there are none.
 pub(crate) fn start_without_friction(task: &Task) -> Option<Vec<f64>> {
-    let (model, _) = held_at_zero(task, acting_sizes(task.model, task.train))?;
+    let (model, _) = held_at_zero(task, acting_sizes(task))?;
     start(&Task { model: &model, ..*task }, "start").ok()
 }
 
 impl Fit {
-    /// The same with dry friction marked as not identifiable where the input has one size and the fit does not hold it, as
-    /// large as that size or with an unknown share of it. Where that holds for both wheels the scale of all other
+    /// The same with dry friction marked as not identifiable where the input has one of these `sizes` and the fit does not hold it,
+    /// as large as that size or with an unknown share of it. Where that holds for both wheels the scale of all other
     /// parameters is unknown too.
-    #[must_use]
-    pub fn under_one_size(mut self, model: &Model, train: &[Recording]) -> Self {
+    pub(super) fn under_one_size(mut self, sizes: [Option<f64>; 2]) -> Self {
         let is_held = |symbol: &str| {
             let held = |n: &Note| matches!(n, Note::Unknown { unknown: Unknown::Held(s, _), .. } if s == symbol);
             self.notes.iter().any(held)
@@ -129,7 +135,7 @@ impl Fit {
             let estimate = self.estimates.get(j).filter(|e| !e.fixed && !is_held(&e.symbol));
             estimate.is_some_and(|e| !e.identifiable || (e.value - size).abs() < ONE * size)
         };
-        let found = [A4, A5].into_iter().zip(acting_sizes(model, train));
+        let found = [A4, A5].into_iter().zip(sizes);
         let found: Vec<(usize, f64)> = found
             .filter_map(|(j, size)| Some((j, size?)))
             .filter(|&(j, size)| explains(j, size))
@@ -183,7 +189,7 @@ mod tests {
             let train = [steps(level)];
             let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
             let fit = find("torque_regression").unwrap().identify(&task).unwrap();
-            (fit.under_one_size(&model, &train), start_without_friction(&task))
+            (fit.under_one_size(acting_sizes(&task)), start_without_friction(&task))
         };
         let (fit, start) = of(&|n| if n == 0 { 0.0 } else { 8.0 });
         assert!(fit.estimates.iter().all(|e| !e.identifiable), "{:?}", fit.estimates);

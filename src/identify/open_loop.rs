@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::math::{self, Moments};
 use crate::model::Model;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
@@ -38,8 +39,7 @@ impl OpenLoop<'_> {
 
     /// The mean over all pieces with the same parameters.
     pub(super) fn mean(&self, model: &Model, p: &[f64]) -> f64 {
-        let all = self.errors(model, &vec![p.to_vec(); self.pieces.len()]);
-        mean(&all)
+        mean(&self.errors(model, &vec![p.to_vec(); self.pieces.len()]))
     }
 
     fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {
@@ -100,9 +100,9 @@ fn start(motion: &LocalMotion) -> State {
     State { alpha: motion.alpha, omega }
 }
 
-/// Mean of some errors.
+/// Mean of some errors; zero without any.
 pub(super) fn mean(errors: &[f64]) -> f64 {
-    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    if errors.is_empty() { 0.0 } else { math::mean(errors.iter().copied()) }
 }
 
 /// Whether errors are smaller than others by more than a paired standard error; any finite error is
@@ -116,13 +116,9 @@ pub(super) fn smaller_by(standard_errors: f64, errors: &[f64], than: &[f64]) -> 
     if !mean(than).is_finite() {
         return mean(errors).is_finite();
     }
-    let gains: Vec<f64> = than.iter().zip(errors).map(|(a, b)| a - b).collect();
-    let n = gains.len() as f64;
-    let gain = mean(&gains);
-    let square: f64 = gains.iter().map(|g| (g - gain).powi(2)).sum();
-    let error = (square / (n * (n - 1.0).max(1.0))).sqrt();
-    // a single piece gives no estimate of the error
-    gain > standard_errors * error && n > 1.0
+    let gains = Moments::of(than.iter().zip(errors).map(|(a, b)| a - b));
+    // of a single piece the error is not a number
+    gains.mean > standard_errors * gains.std_error()
 }
 
 #[cfg(test)]

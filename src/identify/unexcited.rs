@@ -3,7 +3,7 @@
 
 use std::cell::OnceCell;
 
-use super::one_size::frictionless;
+use super::one_size::{acting_sizes, frictionless};
 use super::open_loop::{OpenLoop, smaller_by};
 use super::start::start;
 use super::torque_regression::TorqueRegression;
@@ -34,6 +34,8 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// is simulated by the other parameters, whose scale is unknown.
 pub struct Excited<'a> {
     task: Task<'a>,
+    /// The size of the input of each wheel, if it has only one.
+    sizes: OnceCell<[Option<f64>; 2]>,
     /// The model without the friction that an input of one size does not determine, and the places of that friction.
     frictionless: OnceCell<Option<(Model, Vec<usize>)>>,
     /// Found with the first method that fits the model.
@@ -44,7 +46,8 @@ impl<'a> Excited<'a> {
     /// The parameters are found with the first method.
     #[must_use]
     pub fn new(task: Task<'a>) -> Self {
-        Self { task, frictionless: OnceCell::new(), unexcited: OnceCell::new() }
+        let (sizes, frictionless, unexcited) = Default::default();
+        Self { task, sizes, frictionless, unexcited }
     }
 
     /// The task with all parameters free.
@@ -62,12 +65,25 @@ impl<'a> Excited<'a> {
         if method.fits_emulator() {
             return method.identify(task);
         }
-        let Some((model, places)) = self.frictionless.get_or_init(|| frictionless(task)) else {
+        let frictionless = || frictionless(task, self.sizes());
+        let Some((model, places)) = self.frictionless.get_or_init(frictionless) else {
             return self.with_combination(task, method);
         };
         let mut fit = self.with_combination(&Task { model, ..*task }, method)?;
         places.iter().for_each(|&j| fit.set_unidentifiable(j));
         Ok(fit)
+    }
+
+    /// A fit to the task with its parameters marked as not identifiable where the unknown input between the rows or an input of
+    /// one size may explain them, and with a note on frictions that would drive the robot.
+    #[must_use]
+    pub fn qualified(&self, fit: Fit) -> Fit {
+        let Task { model, train, hold, .. } = self.task;
+        fit.between_rows(train, hold).under_one_size(self.sizes()).driving_frictions(model)
+    }
+
+    fn sizes(&self) -> [Option<f64>; 2] {
+        *self.sizes.get_or_init(|| acting_sizes(&self.task))
     }
 
     /// Fits a method, with the combination of the inertias that is identifiable if the movement does not excite both.
@@ -79,14 +95,6 @@ impl<'a> Excited<'a> {
         let fit = method.identify(&Task { model, ..*task })?;
         Ok(with_combination(fit, model, *sign, &places[1..]))
     }
-}
-
-/// Fits one method to a task with the base parameters fixed that the movement does not excite, see [`Excited`].
-///
-/// # Errors
-/// As [`Identifier::identify`].
-pub fn identify(method: &dyn Identifier, task: &Task) -> Result<Fit, IdentifyError> {
-    Excited::new(*task).identify(method)
 }
 
 /// The model of a task with the parameters fixed that its movement does not excite, and a start: what the time of the input is
@@ -220,7 +228,7 @@ mod tests {
         let truth = model.initial();
         let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
         for name in ["prediction_error", "torque_regression", "output_error"] {
-            let fit = identify(&*find(name).unwrap(), &task).unwrap();
+            let fit = Excited::new(task).identify(&*find(name).unwrap()).unwrap();
             assert!(fit.estimates[..3].iter().all(|e| !e.identifiable && !e.fixed), "{name}");
             assert!(fit.estimates[3..].iter().all(|e| e.identifiable), "{name}");
             let said = fit.notes.iter().find_map(|note| match note {
@@ -252,7 +260,7 @@ mod tests {
         let train = [record("curves", &model, &truth, &movement, &recorder).unwrap()];
         assert_eq!(lacking(&train), Some(Lacking::Turns));
         let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
-        let fit = identify(&*find("prediction_error").unwrap(), &task).unwrap();
+        let fit = Excited::new(task).identify(&*find("prediction_error").unwrap()).unwrap();
         assert!(fit.estimates.iter().all(|e| e.identifiable), "{:?}", fit.notes);
         let turning = |p: [f64; 2]| p[0] - p[1];
         let found = turning([A1, A2].map(|j| fit.estimates[j].value));

@@ -47,7 +47,7 @@ pub(crate) use lanes::every_width;
 pub(crate) use lanes::{Lanes, Mask, are_wide, in_lanes};
 pub use least_squares::{LinearFit, fit};
 pub(crate) use log_product::LogProduct;
-pub(crate) use moments::{Line, Moments, mean};
+pub(crate) use moments::{Line, Moments, mean, rms};
 pub use nonnegative::nonnegative;
 pub(crate) use normal_equations::{FewCoefficients, NormalEquations, scaled_inverse};
 pub(crate) use order::trimmed_mean_square;

@@ -6,6 +6,11 @@ pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
+/// Root mean square of values; NaN without values.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    mean(values.map(|v| v * v)).sqrt()
+}
+
 /// Size, mean and variance of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moments {
@@ -76,6 +81,8 @@ mod tests {
         assert_eq!((sample.count, sample.mean), (4.0, 4.0));
         assert!((sample.variance - 12.666_666_666_666_666).abs() < 1e-14);
         assert!((sample.std_error() - 1.779_513_042_005_219).abs() < 1e-14);
+        // numpy: sqrt(mean(square([1, 2, 4, 9])))
+        assert!((rms([1.0, 2.0, 4.0, 9.0].into_iter()) - 5.049_752_469_181_039).abs() < 1e-14);
     }
 
     #[test]

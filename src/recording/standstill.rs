@@ -1,7 +1,7 @@
 //! Samples at rest, determined from the sensors.
 
 use super::Recording;
-use crate::math::Moments;
+use crate::math::{self, Moments};
 
 /// Samples on both sides that are averaged.
 const HALF: usize = 5;
@@ -101,14 +101,7 @@ pub(crate) fn never_moves(sensor: &[f64], input: &[f64]) -> bool {
 
 /// The correlation of values with those of the other signal some rows before; zero of a constant.
 fn correlation(values: &[f64], others: &[f64], later: usize) -> f64 {
-    let pairs = || values.iter().skip(later).zip(others);
-    let [m, n] =
-        [Moments::of(pairs().map(|(x, _)| *x)).mean, Moments::of(pairs().map(|(_, y)| *y)).mean];
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (x, y) in pairs() {
-        (xx, yy, xy) = (xx + (x - m).powi(2), yy + (y - n).powi(2), xy + (x - m) * (y - n));
-    }
-    if xx * yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }
+    math::correlation(values.iter().skip(later).copied().zip(others.iter().copied()))
 }
 
 #[cfg(test)]

@@ -324,15 +324,6 @@ pub enum Layer {
         /// Meaning, hence colour.
         role: ColourRole,
     },
-    /// A remark at a place in the panel.
-    Text {
-        /// Place of the text's left end, on the baseline.
-        at: (f64, f64),
-        /// The remark.
-        text: String,
-        /// Meaning, hence colour.
-        role: ColourRole,
-    },
 }
 
 impl Layer {
@@ -361,16 +352,15 @@ impl Layer {
             | Self::VLine { label, .. }
             | Self::Shade { label, .. }
             | Self::ErrorBars { label, .. } => label.clear(),
-            Self::Bars(_) | Self::HeatMap(_) | Self::Text { .. } => {}
+            Self::Bars(_) | Self::HeatMap(_) => {}
         }
     }
 
-    /// Order of drawing: shades lowest, bands above them, remarks on top.
+    /// Order of drawing: shades lowest, bands above them.
     pub(super) fn height(&self) -> u8 {
         match self {
             Self::Shade { .. } | Self::HeatMap(_) => 0,
             Self::Band { .. } => 1,
-            Self::Text { .. } => 3,
             _ => 2,
         }
     }

@@ -4,6 +4,7 @@ use super::guessed::{Candidate, Guessed};
 use super::names::Quantity;
 use super::values::{increases, is_constant, largest, whole};
 use crate::io::part_of_second;
+use crate::math::mean;
 
 /// Share of a second that the fractional parts must exceed at least once; they never reach one.
 const HALF: f64 = 0.5;
@@ -141,7 +142,7 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
 fn most_even<'a, 'b>(all: &[&'a Candidate<'b>]) -> Option<&'a Candidate<'b>> {
     let variation = |c: &Candidate| {
         let steps: Vec<f64> = c.column.values.windows(2).map(|w| w[1] - w[0]).collect();
-        let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+        let mean = mean(steps.iter().copied());
         let square = steps.iter().map(|h| (h / mean - 1.0).powi(2)).sum::<f64>();
         steps.iter().all(|h| *h > 0.0).then_some(square)
     };

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector4;
 
-use crate::math::{FewCoefficients, NormalEquations};
+use crate::math::{FewCoefficients, NormalEquations, mean};
 use crate::recording::Recording;
 
 /// Number of standard errors within which two neighbourhoods agree.
@@ -99,7 +99,7 @@ impl Corners {
             self.rows.iter().skip((k - self.first).saturating_sub(SIDE)).take(2 * SIDE + 1);
         let squares: Vec<f64> = beside.flatten().map(|corner| corner.residual).collect();
         let Some(corner) = self.at(k) else { return 0.0 };
-        let (mean, noise) = (squares.iter().sum::<f64>() / squares.len() as f64, sigma * sigma);
+        let (mean, noise) = (mean(squares.iter().copied()), sigma * sigma);
         if mean <= AGREE * AGREE * noise {
             return 0.0;
         }

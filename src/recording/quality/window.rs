@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::Recording;
-use crate::math::Line;
+use crate::math::{Line, mean, rms};
 
 /// Means and slopes of the channels over a short window, right wheel first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,16 +100,14 @@ fn of_length(v: &View, length: usize) -> Vec<Window> {
 
 fn window(v: &View, range: Range<usize>) -> Window {
     let t = &v.t[range.clone()];
-    let mean =
-        |v: &[[f64; 2]]| [0, 1].map(|i| v.iter().map(|v| v[i]).sum::<f64>() / t.len() as f64);
+    let mean = |v: &[[f64; 2]]| [0, 1].map(|i| mean(v.iter().map(|v| v[i])));
     let slope = |v: &[[f64; 2]]| {
         [0, 1].map(|i| Line::through(t.iter().zip(v).map(|(t, x)| (*t, x[i]))).slope)
     };
     let omega = &v.omega[range.clone()];
     Window {
         speed: mean(omega),
-        size: [0, 1]
-            .map(|i| (omega.iter().map(|w| w[i] * w[i]).sum::<f64>() / t.len() as f64).sqrt()),
+        size: [0, 1].map(|i| rms(omega.iter().map(|w| w[i]))),
         acceleration: slope(omega),
         angle_rate: slope(&v.alpha[range.clone()]),
         torque: mean(&v.torque[range]),

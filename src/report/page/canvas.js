@@ -54,18 +54,6 @@ function drawLayer(context, layer, px, py, area, color, crowd) {
       context.arc(px(x), py(layer.y[i]), 3.2, 0, 7);
       context.fill();
     }),
-    text: () => {
-      context.textAlign = "left";
-      context.textBaseline = "alphabetic";
-      context.font = `12px ${FONT}`;
-      const width = context.measureText(layer.text).width;
-      const x = Math.min(px(layer.at[0]), right - width - 4);
-      const y = Math.max(py(layer.at[1]), area.top + 12);
-      context.fillStyle = color("--paper");
-      context.fillRect(x - 3, y - 12, width + 6, 16);
-      context.fillStyle = color(layer.color);
-      context.fillText(layer.text, x, y);
-    },
   };
   kinds[layer.kind]();
   context.globalAlpha = 1;

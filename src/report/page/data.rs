@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::column::Column;
 use crate::math::round_significant;
 use crate::report::ReportError;
-use crate::report::figure::{Axis, AxisScale, Dash, Figure, Layer};
+use crate::report::figure::{Axis, AxisScale, Dash, ErrorBar, Figure, Layer};
 use crate::report::palette::ColourRole;
 use crate::report::plot::{BAND_ALPHA, SHADE_ALPHA, panel_ranges};
 use crate::report::polyline::{Point, decimate, runs};
@@ -69,9 +69,7 @@ struct LayerData {
     #[serde(skip_serializing_if = "Option::is_none")]
     ranges: Option<Vec<(f64, f64)>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    at: Option<serde_json::Value>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    text: Option<String>,
+    at: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -101,7 +99,10 @@ pub(super) fn of(figure: &Figure) -> FigureData<'_> {
             y: axis(&panel.y, y_range),
             height: if alone { HEIGHT.0 } else { HEIGHT.1 },
             layers: ordered(&panel.layers)
-                .map(|l| layer(l, x_range, far(&panel.y, y_range), y_range, &mut xs))
+                .map(|l| {
+                    let far = far(&panel.y, y_range);
+                    layer(l, &mut Scaled { x: x_range, y: y_range, far, xs: &mut xs })
+                })
                 .collect(),
         });
     }
@@ -114,11 +115,10 @@ pub(super) fn of(figure: &Figure) -> FigureData<'_> {
     }
 }
 
-/// Shades lowest, bands above them, remarks on top: as in the printed picture.
+/// Shades lowest, bands above them: as in the printed picture.
 fn ordered(layers: &[Layer]) -> impl Iterator<Item = &Layer> {
     let placed = |layer: &&Layer| match layer {
         Layer::HLine { at, .. } | Layer::VLine { at, .. } => at.is_finite(),
-        Layer::Text { at, .. } => at.0.is_finite() && at.1.is_finite(),
         _ => true,
     };
     let mut ordered: Vec<&Layer> = layers.iter().filter(placed).collect();
@@ -153,17 +153,58 @@ fn axis(axis: &Axis, range: (f64, f64)) -> AxisData {
     }
 }
 
-fn layer(
-    layer: &Layer,
-    x_range: (f64, f64),
+/// Values as the page draws them in a panel: rounded, and with finite substitutes for infinite edges.
+struct Scaled<'a> {
+    x: (f64, f64),
+    y: (f64, f64),
     far: (f64, f64),
-    y_range: (f64, f64),
-    xs: &mut Vec<Column>,
-) -> LayerData {
-    let round = |values: Vec<f64>| -> Column {
-        Column(values.into_iter().map(|v| round_within(v, y_range, Y_DIGITS)).collect())
-    };
-    let base = |kind: &'static str, label: &str, role: ColourRole| LayerData {
+    /// The columns of x values of the figure.
+    xs: &'a mut Vec<Column>,
+}
+
+impl Scaled<'_> {
+    fn x(&mut self, values: impl Iterator<Item = f64>) -> Option<usize> {
+        Some(share(values.collect(), self.x, self.xs))
+    }
+
+    fn y(&self, values: impl Iterator<Item = f64>) -> Option<Column> {
+        Some(Column(values.map(|v| round_within(v, self.y, Y_DIGITS)).collect()))
+    }
+
+    /// Edges and whiskers.
+    fn edge(&self, values: impl Iterator<Item = f64>) -> Option<Column> {
+        self.y(values.map(|v| v.clamp(self.far.0, self.far.1)))
+    }
+
+    fn points(&mut self, points: &[Point]) -> LayerData {
+        let x = self.x(points.iter().map(|p| p.0));
+        LayerData { x, y: self.y(points.iter().map(|p| p.1)), ..LayerData::default() }
+    }
+
+    fn band(&mut self, x: &[f64], lower: &[f64], upper: &[f64]) -> LayerData {
+        let stride = x.len().div_ceil(DOTS).max(1);
+        LayerData {
+            x: self.x(x.iter().copied().step_by(stride)),
+            low: self.edge(lower.iter().copied().step_by(stride)),
+            high: self.edge(upper.iter().copied().step_by(stride)),
+            alpha: Some(BAND_ALPHA),
+            ..LayerData::default()
+        }
+    }
+
+    fn bars(&mut self, points: &[ErrorBar]) -> LayerData {
+        LayerData {
+            x: self.x(points.iter().map(|p| p.x)),
+            y: self.y(points.iter().map(|p| p.y)),
+            low: self.edge(points.iter().map(|p| p.lower)),
+            high: self.edge(points.iter().map(|p| p.upper)),
+            ..LayerData::default()
+        }
+    }
+}
+
+fn layer(layer: &Layer, scaled: &mut Scaled) -> LayerData {
+    let named = |kind: &'static str, label: &str, role: ColourRole, data: LayerData| LayerData {
         kind,
         label: label.to_owned(),
         color: role.css_variable(),
@@ -172,80 +213,43 @@ fn layer(
             ColourRole::Model => Some("model"),
             _ => None,
         },
+        ..data
+    };
+    let reference = |at: f64, dash: Dash| LayerData {
+        at: Some(at),
+        dash: dash_name(dash),
         ..LayerData::default()
     };
     match layer {
         Layer::Line { points, label, role, width, dash } => {
-            let (x, y) = split(&thinned(points));
-            LayerData {
-                x: Some(share(x, x_range, xs)),
-                y: Some(round(y)),
-                width: Some(*width),
-                dash: dash_name(*dash),
-                ..base("line", label, *role)
-            }
+            let (width, dash) = (Some(*width), dash_name(*dash));
+            let data = LayerData { width, dash, ..scaled.points(&thinned(points)) };
+            named("line", label, *role, data)
         }
         Layer::Points { points, label, role, radius, alpha } => {
             let stride = points.len().div_ceil(DOTS).max(1);
-            let (x, y) = split(&points.iter().copied().step_by(stride).collect::<Vec<_>>());
-            LayerData {
-                x: Some(share(x, x_range, xs)),
-                y: Some(round(y)),
-                radius: Some(*radius),
-                alpha: Some(*alpha),
-                ..base("dots", label, *role)
-            }
+            let some: Vec<Point> = points.iter().copied().step_by(stride).collect();
+            let (radius, alpha) = (Some(*radius), Some(*alpha));
+            named("dots", label, *role, LayerData { radius, alpha, ..scaled.points(&some) })
         }
         Layer::Band { x, lower, upper, label, role } => {
-            let stride = x.len().div_ceil(DOTS).max(1);
-            let edge = |values: &[f64]| {
-                round(values.iter().step_by(stride).map(|v| v.clamp(far.0, far.1)).collect())
-            };
-            LayerData {
-                x: Some(share(x.iter().copied().step_by(stride).collect(), x_range, xs)),
-                low: Some(edge(lower)),
-                high: Some(edge(upper)),
-                alpha: Some(BAND_ALPHA),
-                ..base("band", label, *role)
-            }
+            named("band", label, *role, scaled.band(x, lower, upper))
         }
-        Layer::HLine { at, label, role, dash } => LayerData {
-            at: Some((*at).into()),
-            dash: dash_name(*dash),
-            ..base("hline", label, *role)
-        },
-        Layer::VLine { at, label, role, dash } => LayerData {
-            at: Some((*at).into()),
-            dash: dash_name(*dash),
-            ..base("vline", label, *role)
-        },
-        Layer::Shade { ranges, label, role } => LayerData {
-            ranges: Some(within(ranges, x_range)),
-            alpha: Some(SHADE_ALPHA),
-            ..base("shade", label, *role)
-        },
+        Layer::HLine { at, label, role, dash } => {
+            named("hline", label, *role, reference(*at, *dash))
+        }
+        Layer::VLine { at, label, role, dash } => {
+            named("vline", label, *role, reference(*at, *dash))
+        }
+        Layer::Shade { ranges, label, role } => {
+            let (ranges, alpha) = (Some(within(ranges, scaled.x)), Some(SHADE_ALPHA));
+            named("shade", label, *role, LayerData { ranges, alpha, ..LayerData::default() })
+        }
         Layer::ErrorBars { points, label, role } => {
-            let column = |pick: fn(&crate::report::figure::ErrorBar) -> f64| -> Vec<f64> {
-                points.iter().map(pick).collect()
-            };
-            let within = |values: Vec<f64>| {
-                round(values.into_iter().map(|v| v.clamp(far.0, far.1)).collect())
-            };
-            LayerData {
-                x: Some(share(column(|p| p.x), x_range, xs)),
-                y: Some(round(column(|p| p.y))),
-                low: Some(within(column(|p| p.lower))),
-                high: Some(within(column(|p| p.upper))),
-                ..base("bars", label, *role)
-            }
+            named("bars", label, *role, scaled.bars(points))
         }
-        Layer::Text { at, text, role } => LayerData {
-            at: Some(vec![at.0, at.1].into()),
-            text: Some(text.clone()),
-            ..base("text", "", *role)
-        },
         // never on an interactive figure: see Figure::is_interactive
-        Layer::Bars(_) | Layer::HeatMap(_) => base("text", "", ColourRole::Ink),
+        Layer::Bars(_) | Layer::HeatMap(_) => LayerData::default(),
     }
 }
 
@@ -261,10 +265,6 @@ fn thinned(points: &[Point]) -> Vec<Point> {
         kept.extend(decimate(run, if stretches == 1 { COLUMNS } else { columns }));
     }
     kept
-}
-
-fn split(points: &[Point]) -> (Vec<f64>, Vec<f64>) {
-    points.iter().copied().unzip()
 }
 
 /// Index of a column of x values, stored once.

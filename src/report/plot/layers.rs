@@ -1,12 +1,12 @@
-//! Lines, dots, bands, shades, whiskers and remarks.
+//! Lines, dots, bands, shades and whiskers.
 
 use crate::report::ReportError;
 use crate::report::figure::{Dash, ErrorBar, Layer};
-use crate::report::palette::{ColourRole, Rgb, SURFACE};
+use crate::report::palette::{ColourRole, Rgb};
 use crate::report::polyline::{Point, Rect, clip_line, clip_polygon, decimate, runs, thin_dots};
 
 use super::canvas::Canvas;
-use super::pen::{Anchor, BAND, LEGEND, SHADE};
+use super::pen::{BAND, SHADE};
 use super::plan::Frame;
 use super::stroke::stroke;
 
@@ -55,7 +55,6 @@ fn draw_layer(canvas: &Canvas<'_>, layer: &Layer, frame: &Frame) -> Result<(), R
         Layer::ErrorBars { points, role, .. } => {
             points.iter().try_for_each(|point| whisker(canvas, point, frame, role.color()))
         }
-        Layer::Text { at, text, role } => remark(canvas, *at, text, frame, *role),
     }
 }
 
@@ -162,29 +161,4 @@ fn whisker(
     }
     let y = frame.y(point.y);
     inside(y, rect.top, rect.bottom, || canvas.dot((x, y), 3.2, color, 1.0))
-}
-
-fn remark(
-    canvas: &Canvas<'_>,
-    at: Point,
-    text: &str,
-    frame: &Frame,
-    role: ColourRole,
-) -> Result<(), ReportError> {
-    let (x, y) = frame.at(at);
-    if !frame.rect.contains((x, y)) {
-        return Ok(());
-    }
-    let pen = LEGEND.with_color(role.color());
-    let width = pen.width(text);
-    let x = x.min(frame.rect.right - width - 4.0).max(frame.rect.left + 4.0);
-    let y = y.max(frame.rect.top + pen.size);
-    let paper = Rect {
-        left: x - 3.0,
-        top: y - pen.size,
-        right: x + width + 3.0,
-        bottom: y + 0.35 * pen.size,
-    };
-    canvas.rectangle(paper, SURFACE, 0.8)?;
-    canvas.text(text, (x, y), Anchor::Start, pen)
 }

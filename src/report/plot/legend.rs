@@ -114,7 +114,6 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
                 }
             }
             Layer::HeatMap(map) => add(&colour_scale::label(map), ColourRole::Ink, Sample::None),
-            Layer::Text { .. } => {}
         }
     }
     // data come before reference lines

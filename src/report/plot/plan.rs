@@ -334,7 +334,6 @@ fn extent(panel: &Panel, along: Along) -> Vec<f64> {
                     Along::Y => vec![p.y, p.lower, p.upper],
                 }));
             }
-            Layer::Text { at, .. } => values.push(pick(at)),
             _ => {}
         }
     }

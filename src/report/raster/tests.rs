@@ -56,11 +56,6 @@ fn layers(points: &[(f64, f64)]) -> Vec<Layer> {
             label: "bars".into(),
             role: ColourRole::Series(9),
         },
-        Layer::Text {
-            at: points.first().copied().unwrap_or((f64::NAN, 0.0)),
-            text: "here".into(),
-            role: ColourRole::Ink,
-        },
     ]
 }
 

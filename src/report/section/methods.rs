@@ -4,6 +4,7 @@ use super::estimates::{figures as traces, truth};
 use super::{Depth, Section, words};
 use crate::diagnose::THRESHOLDS;
 use crate::identify::Status;
+use crate::math::rms;
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::format;
@@ -182,16 +183,11 @@ fn digits(value: f64) -> Cell {
 
 /// RMS relative error of the estimated parameters with known true values [%].
 fn parameter_error(study: &Study, method: &MethodStudy) -> f64 {
-    let squares: Vec<f64> = method
-        .estimates
-        .iter()
-        .filter(|e| !e.fixed)
-        .filter_map(|e| Some((e.value, truth(study, &e.symbol)?)))
-        .filter(|(_, truth)| *truth != 0.0)
-        .map(|(value, truth)| ((value - truth) / truth).powi(2))
-        .collect();
-    // an empty mean is not a number
-    100.0 * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    let known = method.estimates.iter().filter(|e| !e.fixed);
+    let pairs = known.filter_map(|e| Some((e.value, truth(study, &e.symbol)?)));
+    let errors =
+        pairs.filter(|(_, truth)| *truth != 0.0).map(|(value, truth)| (value - truth) / truth);
+    100.0 * rms(errors)
 }
 
 fn floor_row(study: &Study) -> Vec<Cell> {
