@@ -103,12 +103,22 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
 
 /// A signal delayed by `shift` seconds, by cubic interpolation between its rows; the end values are held.
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
+    later_every(1, t, m, shift).collect()
+}
+
+/// The same in every so many rows, from the first one on.
+fn later_every<'a, T: Real>(
+    every: usize,
+    t: &'a [f64],
+    m: &'a [[T; 2]],
+    shift: T,
+) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
     let last = t.len() - 1;
-    if last == 0 {
-        return m.to_vec();
-    }
     let mut k = 0;
-    let at_row = |&now: &f64| {
+    let at_row = move |&now: &f64| {
+        if last == 0 {
+            return m[0];
+        }
         let at = -shift + now;
         while k > 0 && t[k] > at.value() {
             k -= 1;
@@ -139,7 +149,7 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
         }
         out
     };
-    t.iter().map(at_row).collect()
+    t.iter().step_by(every).map(at_row)
 }
 
 /// A recording whose input acts `shift` seconds later.
@@ -154,6 +164,22 @@ pub fn with_later_input(recording: &Recording, shift: f64) -> Recording {
 pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
     let pieces = recording.pieces().iter();
     pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
+}
+
+/// [`shifted`] in every so many rows of each piece, and zero in the others.
+#[must_use]
+pub(super) fn shifted_every(
+    every: usize,
+    recording: &Recording,
+    signal: &[[f64; 2]],
+    shift: f64,
+) -> Vec<[f64; 2]> {
+    let mut out = vec![[0.0; 2]; signal.len()];
+    for p in recording.pieces() {
+        let rows = later_every(every, &recording.t()[p.clone()], &signal[p.clone()], shift);
+        out[p.clone()].iter_mut().step_by(every).zip(rows).for_each(|(out, row)| *out = row);
+    }
+    out
 }
 
 #[cfg(test)]
