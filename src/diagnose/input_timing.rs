@@ -184,7 +184,7 @@ pub(super) fn shifted_every(
 
 #[cfg(test)]
 mod tests {
-    use super::later;
+    use super::{later, later_every};
 
     #[test]
     fn a_parabola_is_shifted_exactly_inside_and_held_at_the_ends() {
@@ -201,5 +201,10 @@ mod tests {
         }
         assert_eq!(later(&t, &m, 0.5)[3], m[0]);
         assert_eq!(later(&t, &m, 0.0), m);
+        // a row does not depend on those that are left out before it
+        for shift in [-0.013, 0.004, 0.025] {
+            let thinned: Vec<_> = later(&t, &m, shift).into_iter().step_by(3).collect();
+            assert_eq!(later_every(3, &t, &m, shift).collect::<Vec<_>>(), thinned);
+        }
     }
 }

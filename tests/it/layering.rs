@@ -154,7 +154,10 @@ fn an_effect_is_named_by_its_id_and_not_by_a_word_of_a_sentence() {
 /// Each imports only its own stage and those before it.
 const STAGES: [(&str, &[&str]); 9] = [
     ("the file", &["file", "error", "remark", "remarks", "guess", "new_file"]),
-    ("a plan", &["combinations", "custom", "robot_table", "quality", "source", "plan", "stages"]),
+    (
+        "a plan",
+        &["drives", "combinations", "custom", "robot_table", "quality", "source", "plan", "stages"],
+    ),
     (
         "from the file to a plan",
         &["long", "reading", "together", "measured", "align", "assemble", "resolve"],
