@@ -22,7 +22,8 @@ pub(super) fn refresh(work: &mut Conditioned) {
             [(Channel::Angle(i), c.alpha.as_ref()), (Channel::Speed(i), c.omega.as_ref())]
         {
             let Some(values) = values else { continue };
-            let values: Vec<f64> = rows.iter().map(|&k| column(values, i)[k]).collect();
+            let values = column(values, i);
+            let values: Vec<f64> = rows.iter().map(|&k| values[k]).collect();
             // only where the steps are what the noise consists of
             let step = quantum(&values).filter(|q| 2.0 * q * q / 12.0 > noise_variance(&values));
             if let Some(step) = step {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
-use super::input_timing::shifted;
+use super::input_timing::shifted_every;
 use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered, smooth_motion};
 use crate::effects::{Motion, along};
 use crate::math::{FILLED, Real, add_products, least_squares, nonnegative};
@@ -131,12 +131,17 @@ impl<'a> Regression<'a> {
         }
     }
 
+    /// One of so many rows is kept.
+    fn every(&self, r: &Recording) -> usize {
+        (1.0 / (KEPT * self.smoothed.cutoff * r.step())).floor().max(1.0) as usize
+    }
+
     /// Rows on which a wheel moves, thinned to independent ones after the low-pass.
     fn choose_rows(&mut self) {
         let mut moving = 0.0;
         for (index, smooth) in self.smoothed.recordings.iter().enumerate() {
             let r = smooth.recording;
-            let every = (1.0 / (KEPT * self.smoothed.cutoff * r.step())).floor().max(1.0) as usize;
+            let every = self.every(r);
             for piece in r.pieces() {
                 for k in piece.clone() {
                     for i in 0..2 {
@@ -226,7 +231,8 @@ impl<'a> Regression<'a> {
     pub fn square_at_shift(&self, shift: f64) -> f64 {
         let (base, mut square, mut products) = (self.basis.ncols(), 0.0, vec![0.0; self.width]);
         for smooth in self.smoothed.recordings.iter() {
-            let shifted = shifted(smooth.recording, &smooth.input, shift);
+            let every = self.every(smooth.recording);
+            let shifted = shifted_every(every, smooth.recording, &smooth.input, shift);
             for (row, k, i) in self.rows_of(smooth) {
                 let change = shifted[k][i] - smooth.input[k][i];
                 square += change * change;

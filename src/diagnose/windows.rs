@@ -260,6 +260,7 @@ impl<'a> Windows<'a> {
                             }
                             see(k, i, row.error[i], &psi, still);
                         }
+                        true
                     };
                     let part = (rows.clone(), window.start);
                     follow_part(model, p, &input, part, Asked::Parameters, visit).ok()

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use toml::Table;
 
+use super::drives::Drives;
 use super::file::GridAxis;
 use super::source::Source;
 
@@ -18,6 +19,8 @@ pub struct GridPlan {
     pub(super) path: PathBuf,
     /// The recordings, if all combinations have the same.
     pub(super) source: Option<Arc<Source>>,
+    /// Motions of simulated robots.
+    pub(super) drives: Arc<Drives>,
 }
 
 impl GridPlan {

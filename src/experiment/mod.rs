@@ -7,6 +7,7 @@ mod combinations;
 mod comparison;
 mod custom;
 mod diagnosis;
+mod drives;
 mod error;
 mod estimates;
 mod execute;

@@ -1,12 +1,14 @@
 //! From an experiment file to a plan: looks up presets, effects, methods and recordings.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use toml::Table;
 
 use super::assemble::{assembled, candidates_are_known, check_track};
 use super::custom::{self, Own, add};
+use super::drives::Drives;
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
     CandidatesEntry, ColumnEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry,
@@ -21,7 +23,7 @@ use crate::effects::ParameterKind;
 use crate::identify;
 use crate::model::Model;
 use crate::robot::Robot;
-use crate::simulate::{Gain, Hold, Movement, Recorder, record};
+use crate::simulate::{Drive, Gain, Hold, Movement, Recorder};
 use crate::study::Role;
 
 /// Reads, or simulates, the recordings of a file at `path`.
@@ -30,13 +32,14 @@ fn source(
     file: &ExperimentFile,
     robot: &Robot,
     own: &[Own],
+    drives: Option<&Drives>,
 ) -> Result<Source, Meaning> {
     match (&file.recordings, &file.simulation) {
         (Some(entry), _) => {
             let recordings = super::measured::read(path, entry, &file.conditioning, robot)?;
             Ok(Source { hold: entry.hold, ..Source::given(recordings) })
         }
-        (None, Some(entry)) => simulated(entry, own, robot),
+        (None, Some(entry)) => simulated(entry, own, robot, drives),
         (None, None) => Ok(Source { hold: Some(Hold::Linear), ..Source::given(vec![]) }),
     }
 }
@@ -50,20 +53,22 @@ pub(super) fn resolve(
     text: &str,
     file: &ExperimentFile,
 ) -> Result<Plan, ExperimentError> {
-    resolve_with(path, text, file, &mut None)
+    resolve_with(path, text, file, &mut None, None)
 }
 
 /// The same with the cached recordings of an earlier experiment with the same recordings; otherwise they are
-/// read and cached.
+/// read and cached. With `drives` it is a cell of a grid: a motion that an earlier cell has simulated is used, and
+/// the quality of simulated recordings, which the tables of a grid do not contain, is not checked.
 pub(super) fn resolve_with(
     path: &Path,
     text: &str,
     file: &ExperimentFile,
     kept: &mut Option<Source>,
+    drives: Option<&Drives>,
 ) -> Result<Plan, ExperimentError> {
     let read = |robot: &Robot, own: &[Own]| match kept {
         Some(source) => Ok(source.clone()),
-        None => Ok(kept.insert(source(path, file, robot, own)?).clone()),
+        None => Ok(kept.insert(source(path, file, robot, own, drives)?).clone()),
     };
     plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
@@ -320,7 +325,12 @@ fn simulated_robot(
 }
 
 /// Simulated recordings: a robot with base and hidden effects follows the movement.
-fn simulated(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Source, Meaning> {
+fn simulated(
+    entry: &SimulationEntry,
+    own: &[Own],
+    robot: &Robot,
+    drives: Option<&Drives>,
+) -> Result<Source, Meaning> {
     let (truth, p) = simulated_robot(entry, own, robot)?;
     let count = entry.train + entry.validation;
     let recordings = (0..count)
@@ -329,20 +339,23 @@ fn simulated(entry: &SimulationEntry, own: &[Own], robot: &Robot) -> Result<Sour
             let role = if k < entry.train { Role::Train } else { Role::Validation };
             let number = if k < entry.train { k + 1 } else { k + 1 - entry.train };
             let name = format!("simulated {} {number}", role.name());
-            let recording = record(
-                &name,
-                &truth,
-                &p,
-                &movement(entry, robot, k as u64),
-                &Recorder {
-                    rate: entry.rate_hz,
-                    control_rate: entry.control_rate_hz.max(entry.rate_hz),
-                    noise: entry.noise.scaled(entry.noise_scale),
-                    ticks: entry.encoder_ticks,
-                    seed: entry.seed.wrapping_mul(1000).wrapping_add(k as u64),
-                },
-            )?;
-            let findings = super::quality::findings(&recording, robot);
+            let recorder = Recorder {
+                rate: entry.rate_hz,
+                control_rate: entry.control_rate_hz.max(entry.rate_hz),
+                noise: entry.noise.scaled(entry.noise_scale),
+                ticks: entry.encoder_ticks,
+                seed: entry.seed.wrapping_mul(1000).wrapping_add(k as u64),
+            };
+            let make = || Drive::new(&truth, &p, &movement(entry, robot, k as u64), &recorder);
+            let drive = match drives {
+                Some(drives) => drives.get((entry, own, robot), make)?,
+                None => Arc::new(make()?),
+            };
+            let recording = drive.recorded(&name, &recorder)?;
+            let findings = match drives {
+                Some(_) => vec![],
+                None => super::quality::findings(&recording, robot),
+            };
             let (long, sha256, conditioning) = (None, None, vec![]);
             Ok(MeasuredRecording { role, recording, long, sha256, conditioning, findings })
         })

@@ -61,13 +61,25 @@ impl ScoreSums {
         }
     }
 
-    /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`.
+    /// Adds one innovation over its standard deviation, whose derivatives are `psi` times `weight`; `psi` is padded with
+    /// zeros to a multiple of eight numbers.
+    #[inline]
     pub fn add_row(&mut self, psi: &[f64], weight: f64, e: f64) {
-        if self.columns > 0 {
-            let row = self.next_row().iter_mut();
-            row.zip(psi).for_each(|(out, psi)| *out = weight * psi);
-            self.gather(e);
+        if self.columns == 0 {
+            return;
         }
+        let row = &mut self.rows[self.count * self.width..][..self.width];
+        let (whole, rest) = row.as_chunks_mut::<FILLED>();
+        let (padded, last) = psi.as_chunks::<FILLED>();
+        // of short rows whole registers, with zeros behind the columns
+        for (out, psi) in whole.iter_mut().zip(padded) {
+            for i in 0..FILLED {
+                out[i] = weight * psi[i];
+            }
+        }
+        let psi = padded.get(whole.len()).map_or(last, |next| &next[..]);
+        rest.iter_mut().zip(psi).for_each(|(out, psi)| *out = weight * psi);
+        self.gather(e);
     }
 
     /// Counts the next row, whose innovation over its standard deviation is `e`.

@@ -90,7 +90,7 @@ impl Identifier for OutputError {
         let problem = Problem::new(task, start::start(task, NAME)?);
         let starts = problem.starts(self.starts);
         let Some(first) = starts.first().cloned() else { return Err(no_start()) };
-        let at_first = problem.evaluate(&first).ok_or_else(no_start)?;
+        let at_first = problem.evaluate(&first, f64::INFINITY).ok_or_else(no_start)?;
         let information = problem.information(&at_first.0.gradient, &at_first.0.hessian);
         if let Some(j) = least_known(task.model, &problem.p, &information, task.train) {
             return self.with_fixed(task, j);
@@ -110,8 +110,8 @@ impl Identifier for OutputError {
             let (mut lowest, mut scores) = (f64::INFINITY, DMatrix::zeros(0, x.len()));
             let evaluate = |x: &DVector<f64>| {
                 let known = (*x == first).then(|| at_first.clone());
-                let (quadratic, z) = known.or_else(|| problem.evaluate(x))?;
-                if quadratic.cost < lowest {
+                let (quadratic, z) = known.or_else(|| problem.evaluate(x, lowest))?;
+                if quadratic.cost < lowest && quadratic.is_finite() {
                     (lowest, scores) = (quadratic.cost, z);
                 }
                 Some(quadratic)

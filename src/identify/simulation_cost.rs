@@ -184,8 +184,13 @@ impl<'a> Problem<'a> {
         sum.is_finite().then_some(sum)
     }
 
-    /// The cost with gradient and curvature, and the gradients of blocks of 5 s, one per row.
-    pub(super) fn evaluate(&self, x: &DVector<f64>) -> Option<(Quadratic, DMatrix<f64>)> {
+    /// The cost with gradient and curvature, and the gradients of blocks of 5 s, one per row; `None` if it is not below
+    /// `most`, which ends the simulation as soon as the sum of squares reaches it.
+    pub(super) fn evaluate(
+        &self,
+        x: &DVector<f64>,
+        most: f64,
+    ) -> Option<(Quadratic, DMatrix<f64>)> {
         let (p, size, count) = (self.parameters(x), x.len(), self.free.len());
         let mut hessian = DMatrix::zeros(size, size);
         let (mut cost, mut scores) = (0.0, Vec::new());
@@ -200,10 +205,14 @@ impl<'a> Problem<'a> {
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     cost += 0.5 * residual[i] * residual[i];
-                    sums.add_row(&derivatives[i * stride..], weight[i], residual[i]);
+                    sums.add_row(&derivatives[i * stride..][..stride], weight[i], residual[i]);
                 }
+                !(cost >= most)
             })
             .ok()?;
+            if cost >= most {
+                return None;
+            }
             blocks.push(sums.take_score());
             let (curvature, _) = sums.finish();
             let of_start = (0..4).map(|i| column_of_start(p.len(), i));

@@ -17,6 +17,14 @@ pub struct Quadratic {
     pub hessian: DMatrix<f64>,
 }
 
+impl Quadratic {
+    /// Whether all of its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let mut derivatives = self.gradient.iter().chain(self.hessian.iter());
+        self.cost.is_finite() && derivatives.all(|v| v.is_finite())
+    }
+}
+
 /// Settings of [`minimise`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MinimiseOptions {
@@ -335,10 +343,7 @@ fn expected_decrease(q: &Quadratic, step: &DVector<f64>) -> f64 {
 }
 
 fn is_usable(q: &Quadratic, n: usize) -> bool {
-    q.gradient.len() == n
-        && q.hessian.shape() == (n, n)
-        && q.cost.is_finite()
-        && q.gradient.iter().chain(q.hessian.iter()).all(|v| v.is_finite())
+    q.gradient.len() == n && q.hessian.shape() == (n, n) && q.is_finite()
 }
 
 fn project(x: &DVector<f64>, options: &MinimiseOptions) -> DVector<f64> {

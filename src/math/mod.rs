@@ -54,7 +54,7 @@ pub(crate) use order::trimmed_mean_square;
 pub use order::{median, median_high, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
-pub use rounding::round_significant;
+pub use rounding::{round_decimals, round_significant};
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub(crate) use runs::runs;
 

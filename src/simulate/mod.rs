@@ -34,6 +34,7 @@ pub use fuzzy_dynamics::FuzzyDynamics;
 pub use input::{BETWEEN_ROWS, Hold, Input, SimulateError, Structure};
 pub(crate) use input::{at_rows, every_other, held_later};
 pub use movement::{Movement, Reference, Segment};
+pub(crate) use recorder::Drive;
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
 pub(crate) use sensitivity::{ActingInput, Asked, follow, follow_part};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};

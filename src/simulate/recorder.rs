@@ -92,6 +92,46 @@ pub fn record_disturbed(
     recorder: &Recorder,
     disturbance: &mut dyn FnMut(f64, &State) -> [f64; 2],
 ) -> Result<Recording, SimulateError> {
+    drive(truth, p, movement, recorder, disturbance)?.recorded(name, recorder)
+}
+
+/// A motion under control without noise: time, state and command in every row.
+pub(crate) struct Drive(Vec<(f64, State, [f64; 2])>);
+
+impl Drive {
+    /// The motion of [`record`], at the rates of `recorder`.
+    ///
+    /// # Errors
+    /// The mass matrix is not positive definite, or the motion diverges.
+    pub(crate) fn new(
+        truth: &Model,
+        p: &[f64],
+        movement: &Movement,
+        recorder: &Recorder,
+    ) -> Result<Self, SimulateError> {
+        drive(truth, p, movement, recorder, &mut |_, _| [0.0; 2])
+    }
+
+    /// Its recording, with the noise of `recorder`.
+    ///
+    /// # Errors
+    /// Too few rows.
+    pub(crate) fn recorded(
+        &self,
+        name: &str,
+        recorder: &Recorder,
+    ) -> Result<Recording, SimulateError> {
+        Ok(noisy(name, &self.0, recorder)?)
+    }
+}
+
+fn drive(
+    truth: &Model,
+    p: &[f64],
+    movement: &Movement,
+    recorder: &Recorder,
+    disturbance: &mut dyn FnMut(f64, &State) -> [f64; 2],
+) -> Result<Drive, SimulateError> {
     let robot = truth.robot();
     let step = 1.0 / recorder.control_rate;
     let steps = (movement.duration() * recorder.control_rate).round() as usize;
@@ -127,7 +167,7 @@ pub fn record_disturbed(
         let acting = [input[0] + besides[0], input[1] + besides[1]];
         stepper.advance(t, t + step, &acting, &acting, &mut ())?;
     }
-    Ok(noisy(name, &rows, recorder)?)
+    Ok(Drive(rows))
 }
 
 /// The present acting input: the input effects applied to the last part of the commands.

@@ -57,14 +57,15 @@ pub fn simulate_with_sensitivities(
             values.extend_from_slice(&row[..p.len()]);
             values.extend((0..4).map(|i| row[column_of_start(p.len(), i)]));
         }
+        true
     })?;
     Ok((motion, Sensitivities { columns, values }))
 }
 
 /// Callback of [`follow`] at every sample: its number, the state, and the derivatives of (alpha1, alpha2,
 /// omega1, omega2), each a row of all columns (those of the initial state at [`column_of_start`]) padded with
-/// zeros to a multiple of [`LANES`].
-pub(crate) type Visit<'a> = &'a mut dyn FnMut(usize, &State, &[f64]);
+/// zeros to a multiple of [`LANES`]. It returns whether the next sample is needed.
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(usize, &State, &[f64]) -> bool;
 
 /// [`simulate_with_sensitivities`] with a callback in place of stored results.
 ///
@@ -127,7 +128,9 @@ pub(crate) fn follow_part(
         Asked::All => variation,
         Asked::Parameters => variation.without_start(),
     };
-    visit(0, &start, variation.values());
+    if !visit(0, &start, variation.values()) {
+        return Ok(());
+    }
     for k in range.start + 1..range.end {
         let last = match input.hold {
             Hold::Linear => k,
@@ -137,7 +140,9 @@ pub(crate) fn follow_part(
         variation.next_input(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
-        visit(k - range.start, &stepper.state(), variation.values());
+        if !visit(k - range.start, &stepper.state(), variation.values()) {
+            break;
+        }
     }
     Ok(())
 }
@@ -176,7 +181,9 @@ fn by_differences(
         }
     }
     for (k, (state, derivatives)) in motion.iter().zip(values.chunks(4 * stride)).enumerate() {
-        visit(k, state, derivatives);
+        if !visit(k, state, derivatives) {
+            break;
+        }
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Search;
 use crate::diagnose::acceptance::{Fall, fall_of};
-use crate::diagnose::fit::{WindowFit, fit, with_sampling};
+use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -105,10 +105,9 @@ impl Search<'_> {
     }
 
     /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
-    /// zero by the standard error that is reported.
+    /// zero.
     fn stands(&self, step: &Step) -> bool {
-        let is_sized = || has_size(&with_sampling(step.fit.clone(), &self.windows), &step.id);
-        self.passes(&step.last) && self.passes(&step.total) && is_sized()
+        self.passes(&step.last) && self.passes(&step.total) && has_size(&step.fit, &step.id)
     }
 
     /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use toml::{Table, Value};
 
 use crate::experiment::combinations::GridPlan;
+use crate::experiment::drives::Drives;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::file::{ExperimentFile, FileError, GridAxis, axes, set_value};
 use crate::experiment::plan::Plan;
@@ -26,11 +27,12 @@ pub(in crate::experiment) fn resolve_grid(
     table.remove("grid");
     let axes = checked_axes(path, &table, grid)?;
     let one_source = !axes.iter().any(|axis| changes_source(&axis.key));
-    let mut grid = GridPlan { axes, table, path: path.to_path_buf(), source: None };
+    let (path, drives) = (path.to_path_buf(), Arc::default());
+    let mut grid = GridPlan { axes, table, path, source: None, drives };
     let mut first = None;
     for cell in 0..grid.cells() {
         let mut source = None;
-        match resolve_from(&grid, cell, &mut source) {
+        match resolve_from(&grid, cell, &mut source, None) {
             Ok(plan) => {
                 grid.source = source.filter(|_| one_source).map(Arc::new);
                 return Ok(Plan { grid: Some(grid), file: text.to_string(), ..plan });
@@ -39,7 +41,7 @@ pub(in crate::experiment) fn resolve_grid(
         }
     }
     // a grid has at least one cell, so there is a first error
-    Err(first.unwrap_or_else(|| wrong(path, "", "has no combination".into()).into()))
+    Err(first.unwrap_or_else(|| wrong(&grid.path, "", "has no combination".into()).into()))
 }
 
 /// Whether a key affects how recordings are read, conditioned or simulated.
@@ -78,13 +80,14 @@ fn wrong(path: &Path, key: &str, message: String) -> FileError {
 /// Inconsistent values.
 pub(super) fn resolve_cell(grid: &GridPlan, cell: usize) -> Result<Plan, ExperimentError> {
     // recordings are aligned with the model of each cell
-    resolve_from(grid, cell, &mut grid.source.as_deref().cloned())
+    resolve_from(grid, cell, &mut grid.source.as_deref().cloned(), Some(&grid.drives))
 }
 
 fn resolve_from(
     grid: &GridPlan,
     cell: usize,
     source: &mut Option<Source>,
+    drives: Option<&Drives>,
 ) -> Result<Plan, ExperimentError> {
     let shown = grid.path.display().to_string();
     let wrong = |message: String| ExperimentError::Meaning { file: shown.clone(), message };
@@ -95,5 +98,5 @@ fn resolve_from(
     }
     let file = ExperimentFile::from_table(&table).map_err(wrong)?;
     file.check(&shown)?;
-    resolve_with(&grid.path, "", &file, source)
+    resolve_with(&grid.path, "", &file, source, drives)
 }

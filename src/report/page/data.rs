@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::column::Column;
-use crate::math::round_significant;
+use crate::math::{round_decimals, round_significant};
 use crate::report::ReportError;
 use crate::report::figure::{Axis, AxisScale, Dash, ErrorBar, Figure, Layer};
 use crate::report::palette::ColourRole;
@@ -290,8 +290,7 @@ fn round_within(value: f64, range: (f64, f64), digits: i32) -> f64 {
     {
         return round_significant(value, finest);
     }
-    let rounded: f64 = format!("{value:.*}", decimals as usize).parse().unwrap_or(value);
-    round_significant(rounded, finest)
+    round_significant(round_decimals(value, decimals as usize), finest)
 }
 
 fn dash_name(dash: Dash) -> Option<&'static str> {

@@ -47,7 +47,7 @@ fn seeds(count: i64) -> GridPlan {
         values,
     };
     let (table, path) = (toml::Table::new(), std::path::PathBuf::new());
-    GridPlan { axes: vec![axis], table, path, source: None }
+    GridPlan { axes: vec![axis], table, path, source: None, drives: std::sync::Arc::default() }
 }
 
 fn near(a: f64, b: f64) {
