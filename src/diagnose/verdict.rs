@@ -150,12 +150,13 @@ pub fn structured(curves: &[Curve]) -> bool {
     curves.iter().filter(is_of_robot).any(|curve| curve.log_significance > THRESHOLDS.structure)
 }
 
-/// Whether the binned residual torque depends on a variable of [`structured`] more than coloured noise of the input can: its
-/// values are correlated within a block of 1 s, and those of the blocks are not.
+/// The variable of [`structured`] on which the binned residual torque depends most significantly, if more than coloured noise
+/// of the input can: its values are correlated within a block of 1 s, and those of the blocks are not.
 #[must_use]
-pub fn structured_by_blocks(curves: &[Curve]) -> bool {
-    let least = THRESHOLDS.structure_of_blocks;
-    curves.iter().filter(is_of_robot).any(|curve| curve.clustered_significance() > least)
+pub fn structured_by_blocks(curves: &[Curve]) -> Option<Variable> {
+    let significant = curves.iter().filter(is_of_robot).map(|c| (c.clustered_significance(), c));
+    let most = significant.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (most.0 > THRESHOLDS.structure_of_blocks).then_some(most.1.variable)
 }
 
 /// Whether a curve is over a variable that feedback control does not make respond to every disturbance, and not a torque over
@@ -303,8 +304,9 @@ mod tests {
             share_after: None,
             log_significance: 0.0,
         };
-        assert!(structured_by_blocks(&[curve(Variable::Omega2)]));
-        assert!(!structured_by_blocks(&[curve(Variable::Time), curve(Variable::Input1)]));
+        let all = [Variable::Time, Variable::Input1, Variable::Omega2].map(curve);
+        assert_eq!(structured_by_blocks(&all), Some(Variable::Omega2));
+        assert_eq!(structured_by_blocks(&all[..2]), None);
     }
 
     #[test]

@@ -67,7 +67,8 @@ impl<'a> Concluded<'a> {
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
         let by_blocks = structured_by_blocks(curves);
-        let structure = by_blocks || depends_on.is_some() && structured(curves);
+        let structure = by_blocks.is_some() || depends_on.is_some() && structured(curves);
+        let depends_on = depends_on.or(by_blocks);
         // slow noise of the input, as the innovations show it, may cause an error without structure that no effect lowers
         let asked = !structure && likely.is_none() && errors.above_floor();
         let coloured = if asked { judge.coloured_floor(model, p, left.slow).powi(2) } else { 0.0 };
