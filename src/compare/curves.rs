@@ -71,9 +71,10 @@ impl Curve {
     /// of the input. Bins of one or two blocks are left out.
     ///
     /// ```text
-    /// T = Σ z² - (Σ z/se)²/Σ 1/se² ~ χ²,   z: normal quantile of the p-value of mean/se
+    /// T = Σ z² ~ χ²,   z: normal quantile of the p-value of t = (mean - c)/se, of B - 1 degrees of freedom in B blocks
     /// ```
-    /// The second term, for a resistance or a gain, removes the part that all bins have in common.
+    /// c is zero for a torque; for a resistance or a gain it is the mean of all bins, weighted by 1/se², which does not depend
+    /// on the variable.
     ///
     /// Source of z: Wallace, Ann. Math. Stat. 30 (1959).
     #[must_use]
