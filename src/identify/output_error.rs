@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::identifiability::{among_all, identified, inverse_where_known, least_known};
-use super::simulation_cost::Problem;
+use super::simulation_cost::{Problem, statistics};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError, SingleAxis,
     Status, Task, Unknown, from_options, options_schema, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
-use crate::math::{clustered_covariance, eliminate, raise_errors};
+use crate::math::{Information, clustered_covariance, eliminate, raise_errors};
 
 /// Simulation-error maximum likelihood (output error).
 ///
@@ -100,6 +100,7 @@ impl Identifier for OutputError {
             max_iterations: self.iterations,
             relative_tolerance: 2.0 * NEGLIGIBLE / problem.degrees(),
             absolute_tolerance: NEGLIGIBLE,
+            scatter_tolerance: NEGLIGIBLE,
             last_step: true,
             lower: Some(lower),
             upper: Some(upper),
@@ -148,6 +149,12 @@ impl OutputError {
     }
 }
 
+/// Whether the gradient at a minimum is not larger than sampling makes it, by the gradients of blocks: g' H⁻¹ g <= Σ s_b' H⁻¹ s_b.
+fn is_sampling(minimum: &Minimum, scores: &DMatrix<f64>) -> bool {
+    let information = Information::new(&minimum.hessian);
+    information.statistic(&minimum.gradient) <= statistics(&information, scores)
+}
+
 fn no_start() -> IdentifyError {
     IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Simulation }
 }
@@ -188,8 +195,10 @@ impl Problem<'_> {
         }
         fit.status = match minimum.status {
             // the cost has an edge where a wheel begins to move; with nothing but noise left in
-            // the residuals no lower cost is worth finding
-            MinimumStatus::Stalled if excess < AT_NOISE => Status::Converged,
+            // the residuals, or a gradient that sampling explains, no lower cost is worth finding
+            MinimumStatus::Stalled if excess < AT_NOISE || is_sampling(minimum, scores) => {
+                Status::Converged
+            }
             other => other.into(),
         };
         fit.work.iterations = minimum.iterations;

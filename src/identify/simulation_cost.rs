@@ -9,6 +9,7 @@ use super::Task;
 use super::screening::lowest;
 use crate::effects::ParameterKind;
 use crate::filter::{Prepared, ScoreSums, prepare};
+use crate::math::Information;
 use crate::math::descent::Quadratic;
 use crate::model::Model;
 use crate::robot::State;
@@ -230,6 +231,18 @@ impl<'a> Problem<'a> {
         }
         let scores = DMatrix::from_fn(scores.len(), size, |b, j| scores[b][j]);
         let gradient = -scores.row_sum().transpose();
-        cost.is_finite().then_some((Quadratic { cost, gradient, hessian }, scores))
+        let scatter = scatter(&hessian, &scores);
+        cost.is_finite().then_some((Quadratic { cost, gradient, hessian, scatter }, scores))
     }
+}
+
+/// [`Quadratic::scatter`] with the gradients of blocks, one per row. Far from the minimum the blocks share a mean, and it is at
+/// most twice the expected decrease of the cost.
+fn scatter(hessian: &DMatrix<f64>, scores: &DMatrix<f64>) -> f64 {
+    statistics(&Information::new(hessian), scores) / hessian.nrows() as f64
+}
+
+/// Sum of the score statistics of blocks, one per row of `scores`.
+pub(super) fn statistics(information: &Information, scores: &DMatrix<f64>) -> f64 {
+    scores.row_iter().map(|score| information.statistic(&score.transpose())).sum()
 }

@@ -15,6 +15,9 @@ pub struct Quadratic {
     pub gradient: DVector<f64>,
     /// Approximate second derivatives of the cost.
     pub hessian: DMatrix<f64>,
+    /// Twice the decrease of the cost by which sampling places each parameter, tr(H⁻¹ J)/p with the covariance J of the
+    /// gradient: 1 for a negative log-likelihood, more where residuals are correlated. Zero if unknown.
+    pub scatter: f64,
 }
 
 impl Quadratic {
@@ -36,6 +39,8 @@ pub struct MinimiseOptions {
     /// Converged when the expected decrease falls below this, in the unit of the cost (1e-6 is
     /// a thousandth of a standard error for a negative log-likelihood).
     pub absolute_tolerance: f64,
+    /// Converged when the expected decrease falls below this share of [`Quadratic::scatter`].
+    pub scatter_tolerance: f64,
     /// Smallest value of each parameter, if bounded.
     pub lower: Option<DVector<f64>>,
     /// Largest value of each parameter, if bounded.
@@ -53,6 +58,7 @@ impl Default for MinimiseOptions {
             max_iterations: 100,
             relative_tolerance: 1e-12,
             absolute_tolerance: 1e-14,
+            scatter_tolerance: 0.0,
             lower: None,
             upper: None,
             initial_damping: 1e-3,
@@ -63,8 +69,9 @@ impl Default for MinimiseOptions {
 
 impl MinimiseOptions {
     /// A negligible decrease of the cost.
-    fn tolerance(&self, cost: f64) -> f64 {
-        self.absolute_tolerance.max(self.relative_tolerance * cost.abs())
+    fn tolerance(&self, here: &Quadratic) -> f64 {
+        let relative = self.relative_tolerance * here.cost.abs();
+        self.absolute_tolerance.max(relative).max(self.scatter_tolerance * here.scatter)
     }
 }
 
@@ -149,6 +156,7 @@ impl Damping {
 ///         cost: cost(x)?,
 ///         gradient: DVector::from_element(1, 1.0 - 1.0 / x[0]),
 ///         hessian: DMatrix::from_element(1, 1, 1.0 / (x[0] * x[0])),
+///         scatter: 0.0,
 ///     })
 /// };
 /// let start = DVector::from_element(1, 10.0);
@@ -176,7 +184,7 @@ pub fn minimise(
     let mut descent = Descent { x, here, damping, idle, evaluations, evaluate, cost_only, options };
     let (status, iterations) = take_steps(&mut descent);
     let Descent { x, here, evaluations, .. } = descent;
-    let Quadratic { cost, gradient, hessian } = here;
+    let Quadratic { cost, gradient, hessian, .. } = here;
     Minimum { x, cost, gradient, hessian, iterations, evaluations, status }
 }
 
@@ -218,7 +226,7 @@ where
         }
         let trial = model.step(self.damping.value).map(|d| project(&(x + d), options));
         let promise = trial.as_ref().map(|trial| expected_decrease(here, &(trial - x)));
-        let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here.cost)));
+        let promises = promise.is_none_or(|promise| !(promise <= options.tolerance(here)));
         if accepted > 0 && !self.damping.follows_success() && !promises {
             // longer steps failed, and this one is negligible
             let idle = self.idle > 0;
@@ -246,7 +254,7 @@ where
             self.damping.reject();
             return Attempt::Rejected;
         };
-        let negligible = here - there.cost <= self.options.tolerance(here);
+        let negligible = here - there.cost <= self.options.tolerance(&self.here);
         self.idle = if negligible { self.idle + 1 } else { 0 };
         (self.x, self.here) = (trial, there);
         self.damping.accept(gain);
@@ -328,7 +336,7 @@ impl Model {
         if self.free.is_empty() {
             return true;
         }
-        let tolerance = options.tolerance(q.cost);
+        let tolerance = options.tolerance(q);
         self.scaled_step(RIDGE).is_some_and(|step| -0.5 * self.gradient.dot(&step) <= tolerance)
     }
 }

@@ -7,7 +7,7 @@ use crate::math::least_squares::tests::{assert_close, lcg};
 /// Half the sum of squares of residuals with their Jacobian, as normal equations.
 fn normal(r: &DVector<f64>, j: &DMatrix<f64>) -> Quadratic {
     let (gradient, hessian) = (j.transpose() * r, j.transpose() * j);
-    Quadratic { cost: 0.5 * r.norm_squared(), gradient, hessian }
+    Quadratic { cost: 0.5 * r.norm_squared(), gradient, hessian, scatter: 0.0 }
 }
 
 /// y = a exp(-b t) + c with uniform noise of 0.1, 30 samples.
@@ -71,7 +71,12 @@ fn a_parameter_that_a_step_would_move_beyond_its_bound_does_not_move_the_others(
     let quadratic = |x: &DVector<f64>| {
         let from = x - DVector::from_row_slice(&[-1.0, 3.0]);
         let gradient = &hessian * &from;
-        Quadratic { cost: 0.5 * from.dot(&gradient), gradient, hessian: hessian.clone() }
+        Quadratic {
+            cost: 0.5 * from.dot(&gradient),
+            gradient,
+            hessian: hessian.clone(),
+            scatter: 0.0,
+        }
     };
     let lower = Some(DVector::from_row_slice(&[0.0, -9.0]));
     let options = MinimiseOptions { lower, initial_damping: 1e-12, ..MinimiseOptions::default() };
@@ -104,7 +109,7 @@ fn trials_without_a_finite_cost_are_rejected_steps() {
     let quadratic = |x: &DVector<f64>| {
         let gradient = DVector::from_element(1, 1.0 - 1.0 / x[0]);
         let hessian = DMatrix::from_element(1, 1, 1.0 / (x[0] * x[0]));
-        Some(Quadratic { cost: cost(x), gradient, hessian })
+        Some(Quadratic { cost: cost(x), gradient, hessian, scatter: 0.0 })
     };
     let start = DVector::from_element(1, 5.0);
     let found = minimise(&start, quadratic, |x| Some(cost(x)), &MinimiseOptions::default());
@@ -134,4 +139,18 @@ fn every_way_to_end_has_its_status() {
     assert_eq!(lost.status, MinimumStatus::Stalled);
     let nowhere = minimise(&DVector::zeros(2), |_| None, |_| None, &MinimiseOptions::default());
     assert_eq!(nowhere.status, MinimumStatus::NoStart);
+}
+
+#[test]
+fn a_decrease_within_the_scatter_of_sampling_is_negligible() {
+    // half x² has the decrease 0.02 ahead of x = 0.2, and sampling places x by a scatter of 9, three units: 0.0022 of it
+    let cost = |x: &DVector<f64>| Quadratic { scatter: 9.0, ..normal(x, &DMatrix::identity(1, 1)) };
+    let options = |scatter_tolerance| MinimiseOptions { scatter_tolerance, ..Default::default() };
+    let from = |share| {
+        let start = DVector::from_element(1, 0.2);
+        minimise(&start, |x| Some(cost(x)), |x| Some(cost(x).cost), &options(share))
+    };
+    let [coarse, fine] = [0.0023, 0.0021].map(from);
+    assert_eq!((coarse.status, coarse.iterations), (MinimumStatus::Converged, 0));
+    assert!(fine.iterations > 0 && fine.x[0].abs() < 0.01, "{fine:?}");
 }

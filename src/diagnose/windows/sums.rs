@@ -38,7 +38,12 @@ pub(in crate::diagnose) fn quadratic_of(sums: &[Sums], columns: usize) -> Option
     sums.iter().for_each(|s| total.add(s));
     let Sums { square, score, information } = total;
     let cost = 0.5 * square;
-    cost.is_finite().then(|| Quadratic { cost, gradient: -score, hessian: information })
+    cost.is_finite().then(|| Quadratic {
+        cost,
+        gradient: -score,
+        hessian: information,
+        scatter: 0.0,
+    })
 }
 
 /// Sums over the rows of a window, with and without the constant by which its initial speed may be wrong: the rows of

@@ -69,6 +69,7 @@ pub fn levenberg_marquardt(
             cost: normal.cost + penalty.of(theta),
             gradient: penalty.slope(theta, &free) - normal.g * 2.0,
             hessian: (normal.h + DMatrix::identity(n, n) * penalty.weight) * 2.0,
+            scatter: 0.0,
         }
     };
     let options = MinimiseOptions {
