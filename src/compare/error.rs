@@ -109,11 +109,12 @@ impl<'a> Acting<'a> {
 
     /// Converts the speeds of the states at `rows` to those of the recording: if these are derivatives of
     /// measured angles, the simulated speeds are the measured ones plus the derivative of the angle error. A
-    /// speed that changes within a row differs from the slope over the row.
+    /// speed that changes within a row differs from the slope over the row. The speeds of a slow sensor keep the
+    /// error of its last reading in rows that repeat it.
     fn as_recorded(&self, rows: &Range<usize>, states: &mut [State]) {
         let r = self.recording;
         if r.measured().omega {
-            return;
+            return self.repeat_readings(rows, states);
         }
         let error = |(m, s): (&[f64; 2], &State)| [0, 1].map(|i| m[i] - s.alpha[i]);
         let errors: Vec<_> = r.alpha()[rows.clone()].iter().zip(&*states).map(error).collect();
@@ -122,6 +123,21 @@ impl<'a> Acting<'a> {
         let wrong = slopes(t, &errors, std::slice::from_ref(&all), fresh, r.reach());
         for ((state, m), wrong) in states.iter_mut().zip(&r.omega()[rows.clone()]).zip(wrong) {
             state.omega = [0, 1].map(|i| m[i] - wrong[i]);
+        }
+    }
+
+    /// Gives rows without a new reading the speed error of the last one, or of the first of the window before it.
+    fn repeat_readings(&self, rows: &Range<usize>, states: &mut [State]) {
+        let (fresh, omega) =
+            (&self.recording.fresh()[rows.clone()], &self.recording.omega()[rows.clone()]);
+        let Some(first) = fresh.iter().position(|fresh| *fresh) else { return };
+        let error = |k: usize, state: &State| [0, 1].map(|i| omega[k][i] - state.omega[i]);
+        let mut last = error(first, &states[first]);
+        for (k, state) in states.iter_mut().enumerate() {
+            match fresh[k] {
+                true => last = error(k, state),
+                false => state.omega = [0, 1].map(|i| omega[k][i] - last[i]),
+            }
         }
     }
 
@@ -257,6 +273,28 @@ mod tests {
         for (k, simulated) in (20..150).zip(&simulated) {
             assert!((recording.omega()[k][0] - simulated.omega[0]).abs() < 1e-9, "{k}");
         }
+    }
+
+    #[test]
+    fn a_slow_sensor_is_compared_with_its_readings() {
+        // readings every 90 ms in rows of 10 ms
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let t: Vec<f64> = (0..900).map(|k| 0.01 * f64::from(k)).collect();
+        let torque: Vec<[f64; 2]> = t.iter().map(|t| [0.3 + 0.3 * t.sin(), 0.3]).collect();
+        let hold = Hold::Linear;
+        let input = Input { t: &t, torque: &torque, hold };
+        let states = simulate(&model, &p, &input, State::default()).unwrap();
+        let omega = Some((0..900).map(|k| states[k - k % 9].omega).collect());
+        let channels = Channels { t, alpha: None, omega, torque };
+        let recording = Recording::new("slow", channels, DriveUnit::NewtonMetre).unwrap();
+        let held = |k: usize| (recording.omega()[k][0] - states[k].omega[0]).abs();
+        assert!((0..900).any(|k| held(k) > 0.3));
+        let dynamics = PhysicalDynamics { model, p };
+        let acting = Acting::new(&dynamics, &recording, recording.torque());
+        let windows = [(0..450, states[0]), (450..900, states[450])];
+        let simulated = acting.simulate(&windows, hold).unwrap();
+        assert!(window_rms(&recording, &simulated) < 1e-9);
     }
 
     #[test]

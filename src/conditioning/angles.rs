@@ -7,9 +7,10 @@
 //! e_k = (alpha_k - alpha_(k-1)) - median of the increments of the rows around k
 //! ```
 //! Steps of one and the same size are the period of a wrap (a turn, a half, 2^n counts), others are
-//! resets of the counter.
+//! resets of the counter, unless the angle returns within a few rows: then the samples between are wrong.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high, pieces, quantile};
@@ -24,6 +25,8 @@ const AROUND: usize = 4;
 const BEYOND: f64 = 10.0;
 /// Tolerance of a step as a share of the period: a step contains the motion of its row.
 const ALIKE: f64 = 0.02;
+/// Share of a step that may be left by one that undoes it: two increments of a tenth each, as [`BEYOND`].
+const UNDONE: f64 = 2.0 / BEYOND;
 
 pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
     let Some(alpha) = &work.channels.alpha else { return };
@@ -71,8 +74,8 @@ fn start_alike(alpha: &mut [[f64; 2]], period: f64) {
 }
 
 /// Rows at which the angle steps by more than motion explains, and by how much.
-fn steps(values: &[f64], pieces: &[std::ops::Range<usize>]) -> Vec<(usize, f64)> {
-    let increments: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
+    let increments = increments(values);
     // a fast wheel wraps in many rows, so that what is usual is that of three quarters of them
     let usual = quantile(increments.iter().map(|d| d.abs()), 0.75);
     let far = far(&increments);
@@ -114,13 +117,39 @@ fn explained(values: &[f64], steps: &[(usize, f64)]) -> (Vec<Kind>, Vec<(usize, 
             .collect();
         return (vec![Kind::Wrapped { period_rad: period, turns: wraps.len() }], wraps);
     }
-    let increments: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-    let far = far(&increments);
+    let far = far(&increments(values));
+    let wrong = returning(steps, far);
+    let is_edge = |k: usize| wrong.iter().any(|rows| rows.start == k || rows.end == k);
     let is_reset =
-        |(k, by): &(usize, f64)| increments[k - 1].abs() > far && lasts(values, (*k, *by));
+        |(k, by): &(usize, f64)| by.abs() > far && !is_edge(*k) && lasts(values, (*k, *by));
     let lasting: Vec<(usize, f64)> = steps.iter().copied().filter(is_reset).collect();
     let kind = |(k, by): &(usize, f64)| Kind::Reset { row: k + 1, step_rad: *by };
     (lasting.iter().map(kind).collect(), lasting)
+}
+
+/// Rows in which the angle is far from those around them, and from which it returns.
+pub(super) fn excursions(values: &[f64]) -> Vec<Range<usize>> {
+    returning(&steps(values, std::slice::from_ref(&(0..values.len()))), far(&increments(values)))
+}
+
+/// Rows between a step of more than `far` and one that undoes it a few rows later.
+fn returning(steps: &[(usize, f64)], far: f64) -> Vec<Range<usize>> {
+    let (mut out, mut n) = (Vec::new(), 0);
+    while let Some(&(from, by)) = steps.get(n) {
+        n += 1;
+        let later = || steps[n..].iter().take_while(|(k, _)| k - from <= AROUND);
+        let undone = later().position(|(_, back)| (by + back).abs() < UNDONE * by.abs());
+        if let Some(undone) = undone.filter(|_| by.abs() > far) {
+            out.push(from..steps[n + undone].0);
+            n += undone + 1;
+        }
+    }
+    out
+}
+
+/// Increments from row to row.
+fn increments(values: &[f64]) -> Vec<f64> {
+    values.windows(2).map(|w| w[1] - w[0]).collect()
 }
 
 /// Whether the angle stays at its value after the step; after a wrong sample it returns.
@@ -222,6 +251,25 @@ mod tests {
         for alpha in [motion(1000, 0.1), coarse, slow] {
             let done = conditioned(alpha.clone(), 0.02);
             assert!(done.channels.alpha.as_ref() == Some(&alpha), "{:?}", done.findings);
+        }
+    }
+
+    #[test]
+    fn wrong_samples_close_to_each_other_are_no_reset() {
+        for apart in 1..=4 {
+            let mut alpha = motion(2000, 0.02);
+            let truth = alpha.clone();
+            for k in [1000, 1000 + apart] {
+                alpha[k][0] += 143.0;
+            }
+            let done = conditioned(alpha, 0.02);
+            let kinds: Vec<&Kind> = done.findings.iter().map(|f| &f.kind).collect();
+            let all = matches!(kinds[..], [Kind::Spikes { count: 2, first: 1001, .. }, ..]);
+            assert!(all, "{apart}: {:?}", done.findings);
+            for (found, is) in done.channels.alpha.unwrap().iter().zip(&truth) {
+                // the line over three rows: 3/8 (3 h)^2 of an acceleration of 6 rad/s^2
+                assert!((found[0] - is[0]).abs() < 0.01, "{apart}");
+            }
         }
     }
 }

@@ -11,8 +11,11 @@
 //! wheel cannot jump and return, so such a sample of a sensor is an error. An input can; a sample of
 //! it is an error if the wheel does not respond to it as to the rest of the input.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
+use super::angles::excursions;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
@@ -34,12 +37,13 @@ const SURE: f64 = 4.0;
 /// An outlier: its rows, the correct value, and its deviation.
 #[derive(Clone, Debug)]
 pub(super) struct Spike {
-    rows: std::ops::Range<usize>,
+    rows: Range<usize>,
     value: f64,
     out: f64,
 }
 
-/// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row.
+/// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row, which
+/// its angle does not.
 pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     let fresh = refreshed(&work.channels);
     let samples: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
@@ -54,8 +58,16 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
                 _ => work.channels.omega.as_ref(),
             };
             let Some(values) = values.map(|v| column(v, i)) else { continue };
-            let mut found = spikes(&work.channels.t, &values, &samples);
-            found.retain(|spike| !steps[spike.rows.start]);
+            let t = &work.channels.t;
+            let found = match name {
+                // wraps would be taken for wrong samples
+                Channel::Angle(_) if settings.unwrap => of_angle(t, values, &samples),
+                _ => {
+                    let mut found = spikes(t, &values, &samples);
+                    found.retain(|spike| !steps[spike.rows.start]);
+                    found
+                }
+            };
             correct(work, settings, name, &found);
         }
     }
@@ -93,6 +105,30 @@ fn correct(work: &mut Conditioned, settings: &Settings, channel: Channel, found:
     for spike in found {
         rows[spike.rows.clone()].iter_mut().for_each(|v| v[i] = spike.value);
     }
+}
+
+/// The wrong samples of an angle: a few in a row that are far from the others, and single ones.
+fn of_angle(t: &[f64], mut values: Vec<f64>, samples: &[usize]) -> Vec<Spike> {
+    let pieces = pieces(t);
+    let within = |rows: &Range<usize>| {
+        pieces.iter().any(|piece| piece.start < rows.start && rows.end < piece.end)
+    };
+    let mut out = Vec::new();
+    for rows in excursions(&values).into_iter().filter(within) {
+        let (before, after) = (rows.start - 1, rows.end);
+        for k in rows {
+            let share = (t[k] - t[before]) / (t[after] - t[before]);
+            let value = values[before] + share * (values[after] - values[before]);
+            out.push(Spike { rows: k..k + 1, value, out: values[k] - value });
+            values[k] = value;
+        }
+    }
+    if out.len() as f64 > ISOLATED * samples.len() as f64 {
+        return vec![];
+    }
+    out.extend(spikes(t, &values, samples));
+    out.sort_by_key(|spike| spike.rows.start);
+    out
 }
 
 /// The wrong samples of a channel that is new in the rows `samples`.

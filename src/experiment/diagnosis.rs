@@ -9,7 +9,7 @@ use super::fits::fits_with;
 use super::plan::{DiagnosisPlan, Plan};
 use super::robot_table::has_no_track;
 use super::stages::Stages;
-use crate::compare::{Curve, WindowFloor};
+use crate::compare::{Curve, WINDOW, WindowFloor};
 use crate::diagnose::{
     Data, Diagnosis, INPUT_SHIFT, Progress, Settings, THRESHOLDS, Timing, WindowFit,
     with_later_input,
@@ -20,7 +20,7 @@ use crate::model::Model;
 use crate::model::base::{A1, A2};
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
-use crate::study::{DiagnosisStudy, MethodAtFloor, MethodStudy, Role};
+use crate::study::{DiagnosisStudy, MethodAtFloor, MethodStudy, Role, Undetermined};
 use crate::verdict::{Basis, Settled};
 
 /// A comparison with its diagnosis, if requested.
@@ -162,15 +162,22 @@ fn with_basis<T>(
     comparison: &Comparison,
     f: impl FnOnce(&Basis) -> T,
 ) -> T {
+    let train = plan.of(Role::Train);
     f(&Basis {
-        train: &plan.of(Role::Train),
+        train: &train,
         validation: &plan.of(Role::Validation),
         hold: plan.hold,
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-        undetermined: comparison.reference_method().undetermined(),
+        undetermined: short(&train).or_else(|| comparison.reference_method().undetermined()),
     })
+}
+
+/// Recordings without a window of the simulation error, in which no two models can be compared.
+fn short(train: &[Recording]) -> Option<Undetermined> {
+    let seconds: f64 = train.iter().map(Recording::duration).sum();
+    (seconds < WINDOW).then_some(Undetermined::Short { seconds })
 }
 
 /// The noise floor of the judged recordings.

@@ -1,5 +1,7 @@
 //! Sensors that are slower than the logger.
 
+use std::f64::consts::{PI, TAU};
+
 use super::Channels;
 use crate::math::median_high;
 use crate::math::noise::quantum;
@@ -16,6 +18,14 @@ const VARIES: f64 = 1.02;
 /// Tolerance for multiples of a step, as a share of the step: rounding of a logger, far below a change of the
 /// speed.
 const EXACT: f64 = 0.01;
+/// Changes from which a period is determined.
+const MOST_CHANGES: usize = 400;
+/// Frequencies per reciprocal length of these changes at which a period is sought.
+const FINE: f64 = 4.0;
+/// Rows per reading from which on a sensor is slow.
+const SHORTEST: f64 = 2.0;
+/// Logarithm of the probability below which regular changes are no accident: one in a million.
+const UNLIKELY: f64 = -13.8;
 /// A standstill is longer than this many refresh intervals.
 const STANDSTILL: usize = 3;
 
@@ -33,8 +43,13 @@ pub fn refreshed(channels: &Channels) -> Vec<bool> {
     let moving = moving(channels, &same);
     let moves = moving.iter().filter(|m| **m).count();
     let repeats = (0..count).filter(|&k| moving[k] && same[k]).count();
-    if repeats as f64 <= REPEATED * moves as f64 || moves == 0 || is_coarse(channels, &same) {
+    if repeats as f64 <= REPEATED * moves as f64 || moves == 0 {
         return vec![true; count];
+    }
+    match grain(channels, &same) {
+        Grain::Coarse => return vec![true; count],
+        Grain::Mixed => return readings(&same).unwrap_or_else(|| vec![true; count]),
+        Grain::Fine => {}
     }
     let period = run(&same, &moving).max(1);
     let longest = STANDSTILL * period;
@@ -77,11 +92,21 @@ fn run(same: &[bool], moving: &[bool]) -> usize {
     (rows as f64 / changes.max(1) as f64).round() as usize
 }
 
-/// Whether the rows repeat because the quantisation of the channel is coarse. A coarse channel changes by its
-/// smallest step, occasionally by two, after a number of rows that depends on the speed. A slow channel
-/// changes by any amount, always after the same number of rows.
-fn is_coarse(channels: &Channels, same: &[bool]) -> bool {
-    let Some(rows) = channels.alpha.as_ref().or(channels.omega.as_ref()) else { return true };
+/// Why rows repeat. A coarse channel changes by its smallest step, occasionally by two, after a number of rows that
+/// depends on the speed. A slow channel changes by any amount, always after the same number of rows.
+enum Grain {
+    /// The quantisation is coarse.
+    Coarse,
+    /// The quantisation is coarse, and the sensor may be slow too.
+    Mixed,
+    /// The sensor is slow.
+    Fine,
+}
+
+fn grain(channels: &Channels, same: &[bool]) -> Grain {
+    let Some(rows) = channels.alpha.as_ref().or(channels.omega.as_ref()) else {
+        return Grain::Coarse;
+    };
     let wheels = [0, 1].map(|i| changes(rows, i));
     let ratio = |c: &[f64], low: usize, high: usize| {
         let at = |share: usize| c.get(c.len() * share / 100).copied();
@@ -90,7 +115,59 @@ fn is_coarse(channels: &Channels, same: &[bool]) -> bool {
     // the smallest change, not the greatest common divisor, because loggers round
     let steps = wheels.iter().map(|c| ratio(c, 2, 50)).fold(0.0, f64::max);
     let varies = wheels.iter().any(|c| ratio(c, 10, 90) > VARIES);
-    steps < STEPS && in_steps(rows, &wheels) && !(varies && is_regular(same))
+    match steps < STEPS && in_steps(rows, &wheels) {
+        false => Grain::Fine,
+        // single steps at regular intervals are a steady motion as well
+        true if !varies => Grain::Coarse,
+        true if is_regular(same) => Grain::Fine,
+        true => Grain::Mixed,
+    }
+}
+
+/// Rows with a new reading of a sensor that is slow and so coarse that many readings repeat the last value; `None` if the
+/// changes have no [`period`]. A row with a change is a reading; of the periods without one the row in which it ends.
+fn readings(same: &[bool]) -> Option<Vec<bool>> {
+    let changes: Vec<usize> = (1..same.len()).filter(|&k| !same[k]).collect();
+    let period = period(&changes)?;
+    let mut fresh: Vec<bool> = same.iter().map(|same| !same).collect();
+    let ends = changes.iter().skip(1).copied().chain([same.len()]);
+    for (&from, to) in changes.iter().zip(ends) {
+        let readings = ((to - from) as f64 / period).round() as usize;
+        (1..readings).for_each(|n| fresh[from + (n as f64 * period) as usize] = true);
+    }
+    Some(fresh)
+}
+
+/// The period of a slow sensor in rows: all changes are a whole number of periods apart, as those of a coarse sensor at
+/// full rate are not.
+///
+/// ```text
+/// R(P) = |Σ exp(2π i k/P)|/n over the rows k with a change;   sinc(1/P) of a sensor of this period, as rows follow it
+/// ```
+fn period(changes: &[usize]) -> Option<f64> {
+    let changes = &changes[..changes.len().min(MOST_CHANGES)];
+    let mut gaps: Vec<usize> = changes.windows(2).map(|w| w[1] - w[0]).collect();
+    gaps.sort_unstable();
+    let longest = gaps.get(gaps.len() * 2 / 100)? + 1;
+    let finest = 1.0 / (FINE * (changes.last()? - changes.first()?) as f64);
+    let waves = (1.0 / (longest as f64 * finest)) as usize..=(1.0 / (SHORTEST * finest)) as usize;
+    let coherence = |frequency: f64| {
+        let angles = changes.iter().map(|k| TAU * frequency * *k as f64);
+        let sums = angles.fold((0.0, 0.0), |(s, c), angle| (s + angle.sin(), c + angle.cos()));
+        f64::hypot(sums.0, sums.1) / changes.len() as f64
+    };
+    let of_rows = |period: f64| (PI / period).sin() / (PI / period);
+    let all: Vec<(f64, f64)> = waves
+        .map(|j| j as f64 * finest)
+        .map(|frequency| (coherence(frequency), 1.0 / frequency))
+        .collect();
+    // the longest period, since its fractions are as regular, and the best within its width
+    let first = all.iter().position(|(r, period)| *r >= REGULAR * of_rows(*period))?;
+    let width = first..(first + 2 * FINE as usize).min(all.len());
+    let &(coherent, period) = all[width].iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    // independent changes exceed R in one of the waves with the probability waves exp(-n R²)
+    let chance = -finest.ln() - changes.len() as f64 * coherent * coherent;
+    (chance < UNLIKELY).then_some(period)
 }
 
 /// Whether all changes are multiples of one step.
@@ -167,6 +244,25 @@ mod tests {
         // also where there is nothing but the coarse channel
         assert!(refreshed(&channels(Some(alpha.clone()), None)).iter().all(|f| *f));
         assert!(refreshed(&channels(None, Some(alpha))).iter().all(|f| *f));
+    }
+
+    #[test]
+    fn a_sensor_that_is_slow_and_coarse_is_read_at_its_period() {
+        // rows of 11 ms, readings every 90 ms in steps of 0.17 rad/s, which most readings do not leave
+        let speed = |t: f64| 3.0 + 0.6 * (0.7 * t).sin() + 0.8 * (1.9 * t).sin().powi(9);
+        let coarse = |v: f64| (v / 0.17).round() * 0.17;
+        let read = |k: usize| 0.09 * (0.011 * k as f64 / 0.09).floor();
+        let at = |k: usize| [coarse(speed(read(k))), coarse(1.3 * speed(read(k) + 1.0))];
+        let fresh = refreshed(&channels(None, Some((0..4000).map(at).collect())));
+        let count = fresh.iter().filter(|f| **f).count();
+        assert!((484..=494).contains(&count), "{count}"); // 44 s/90 ms = 489
+        let early = (1..4000).filter(|&k| fresh[k] && read(k) != read(k - 1)).count();
+        assert!(early > 440, "{early}");
+        // the same in every row
+        let at =
+            |k: usize| [coarse(speed(0.011 * k as f64)), coarse(speed(0.011 * k as f64 + 1.0))];
+        let fresh = refreshed(&channels(None, Some((0..4000).map(at).collect())));
+        assert!(fresh.iter().all(|f| *f));
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod next;
 pub(super) use self::effects::shifts_input;
 use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
-use crate::report::format::{in_text, percent};
+use crate::report::format::{in_text, percent, significant};
 use crate::study::{DiagnosisStudy, MethodAtFloor, Undetermined, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
@@ -59,6 +59,11 @@ fn differs_words(difference: &Difference) -> String {
 pub fn not_determined(why: Undetermined) -> String {
     match why {
         Undetermined::Columns => OF_COLUMNS.to_owned(),
+        Undetermined::Short { seconds } => format!(
+            "Whether an effect is missing cannot be determined: the training recordings last {} s together, less than a \
+             window of the simulation error.",
+            significant(seconds, 2)
+        ),
         Undetermined::BetweenRows { share, step_s, .. } => format!(
             "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
              by {:.0} % of the torque that accelerates the robot. The simulation error of such a fit does not measure its \

@@ -5,6 +5,11 @@
 pub enum Undetermined {
     /// The columns do not: they are others than those of wheels and of their input.
     Columns,
+    /// They are shorter than a window of the simulation error.
+    Short {
+        /// How long they are together \[s\].
+        seconds: f64,
+    },
     /// The larger part of the inertias may be due to the unknown input between the rows.
     BetweenRows {
         /// Largest share of them.

@@ -133,7 +133,9 @@ impl<'a> Concluded<'a> {
             && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
         let next = match (self.undetermined, self.withheld) {
-            (Some(Undetermined::Columns), _) => vec![Advice::CheckColumns],
+            (Some(Undetermined::Columns | Undetermined::Short { .. }), _) => {
+                vec![Advice::CheckColumns]
+            }
             (Some(Undetermined::BetweenRows { rate, .. }), _) => {
                 vec![Advice::RecordFaster { rate }]
             }

@@ -45,7 +45,7 @@ fn words(advice: &Advice) -> String {
     match advice {
         Advice::CheckColumns => {
             "Check in the experiment file that the columns are those of the wheels and of their input, and that the \
-             units are right: `experiment new` shows the ranges of all columns."
+             units are right, that of the time too: `experiment new` shows the ranges of all columns."
                 .to_owned()
         }
         Advice::RecordFaster { rate } => {
