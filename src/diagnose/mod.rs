@@ -48,7 +48,7 @@ pub use screen::Screen;
 pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};
 pub use shapes::shapes_placed;
 pub use smoothed::Smoothed;
-pub use speed_filter::{Computed, SpeedFilter, advanced, speed_filter};
+pub use speed_filter::{Computed, LowPass, SpeedFilter, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
 pub use verdict::{

@@ -61,5 +61,5 @@ pub(crate) use runs::runs;
 pub use scalar::{Dual, Real, sgn};
 pub(crate) use singular_values::{orthonormal, pseudo_inverse};
 pub use span::Span;
-pub(crate) use span::Spans;
+pub(crate) use span::{Statement, joined};
 pub use symbol::{Symbol, record};
