@@ -3,13 +3,13 @@
 mod compounds;
 mod factor;
 mod foreign;
-mod said;
+mod interpreted;
 mod unit;
 mod words;
 
 use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
 use self::foreign::is_foreign;
-pub(super) use self::said::{Named, Quantity, Side};
+pub(super) use self::interpreted::{Named, Quantity, Side};
 use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
 use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{
@@ -98,12 +98,12 @@ fn quantity_of(
     has_side: bool,
 ) -> (Option<Quantity>, String) {
     let taken = take_quantity(words);
-    let (quantity, word) = taken.map_or((None, String::new()), |(said, by)| (Some(said), by));
+    let (quantity, word) = taken.map_or((None, String::new()), |(stated, by)| (Some(stated), by));
     match ending {
         // a unit in brackets is one for certain: `v_l (m/s)` is no voltage; nor is `position_rpm` a position.
         // `a` alone as a unit is not sufficient
-        Some((said, Some(of))) if in_brackets || is_overruled(quantity, &word, of) => {
-            let sufficient = said != "A" || !words.is_empty() || has_side;
+        Some((stated, Some(of))) if in_brackets || is_overruled(quantity, &word, of) => {
+            let sufficient = stated != "A" || !words.is_empty() || has_side;
             (sufficient.then_some(of).or(quantity), word)
         }
         _ => (quantity, word),
