@@ -1,8 +1,15 @@
 //! The fuzzy emulators: a simulation, and every method over the paper's range and the range of the data.
 
-use super::*;
+use std::sync::LazyLock;
+
+use amigo_ident::identify::Task;
 use amigo_ident::identify::fuzzy::{Normal, Problem, Settings};
+use amigo_ident::recording::Recording;
+use amigo_ident::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 use nalgebra::DVector;
+
+use crate::time::{best, row};
+use crate::work::{BASE, MANY, method};
 
 /// Samples of the paper's movement at 100 Hz, at rest before and after: 25 s, as long as the other recordings.
 static PAPER: LazyLock<Recording> = LazyLock::new(|| {

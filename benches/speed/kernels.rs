@@ -3,7 +3,7 @@
 use amigo_ident::recording::Recording;
 use nalgebra::{SMatrix, SVector};
 
-use super::BASE;
+use super::work::BASE;
 
 /// Equation (14) as straight-line code, by the semi-implicit rule (speeds first, angles from the new
 /// speeds), with friction by the sign of the speed. Returns the ISE.

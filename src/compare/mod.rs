@@ -1,6 +1,8 @@
 //! Comparison of measurement and simulation: the error, the noise floor, and where the error exceeds it.
 
 mod acting;
+mod binning;
+mod curve;
 mod curves;
 mod error;
 mod floor;
@@ -15,7 +17,8 @@ mod unexplained_torque;
 mod whiteness;
 
 pub use acting::Acting;
-pub use curves::{Curve, CurveBin, Unexplained, curves};
+pub use curve::{Curve, CurveBin};
+pub use curves::{Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
 pub use floor::{

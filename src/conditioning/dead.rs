@@ -26,8 +26,9 @@ use crate::math::noise::smallest_change;
 use crate::math::{fit, mean, runs, sgn};
 use crate::recording::{SHORT, View, Window, windows_of};
 
-/// Shortest stretch, and shortest motion computed for it \[s\]: several times the dead time of a radio link.
-const LONG: f64 = 1.0;
+/// Shortest stretch, and shortest motion computed for it \[s\]; the reason is in the list of all thresholds
+/// (`diagnose/thresholds.rs`).
+pub(crate) const DEAD_S: f64 = 1.0;
 /// Shortest rest from which a start is counted, in windows.
 const REST: usize = 3;
 /// Fewest windows in motion: ten per coefficient that matters (inertia, Coulomb and viscous friction).
@@ -62,7 +63,7 @@ pub(super) fn stretches(
     let mut kept = vec![true; t.len()];
     found.iter().flatten().for_each(|one| kept[one.rows.clone()].fill(false));
     let left_s = log.step * kept.iter().filter(|k| **k).count() as f64;
-    let mut said = vec![];
+    let mut reported = vec![];
     for (i, all) in found.iter().enumerate() {
         let Some(first) = all.first() else { continue };
         let (rows, from_s) = (first.rows.clone(), t[first.rows.start]);
@@ -89,9 +90,9 @@ pub(super) fn stretches(
             Some(_) => Channel::Angle(i),
             None => Channel::Speed(i),
         };
-        said.push(Finding::corrected(channel, kind, "rows", settings.rows));
+        reported.push(Finding::corrected(channel, kind, "rows", settings.rows));
     }
-    work.findings.extend(said);
+    work.findings.extend(reported);
     if settings.rows && kept.contains(&false) {
         keep(&mut work.channels, &kept);
     }
@@ -131,7 +132,7 @@ impl<'a> Log<'a> {
     }
 
     fn is_long(&self, rows: &Range<usize>) -> bool {
-        self.step * rows.len() as f64 >= LONG
+        self.step * rows.len() as f64 >= DEAD_S
     }
 
     /// The stretches of a wheel in which it must have moved.
@@ -190,8 +191,8 @@ impl<'a> Log<'a> {
         let time = |sign: f64| h * motion.iter().filter(|w| sign * **w > slow).count() as f64;
         let (forward, backward) = (time(1.0), time(-1.0));
         let turns = c.alpha.as_ref().is_none_or(|alpha| path > resolution(alpha));
-        let one_way = forward.min(backward) < 0.5 * LONG;
-        (turns && forward + backward >= LONG).then_some(one_way && rests)
+        let one_way = forward.min(backward) < 0.5 * DEAD_S;
+        (turns && forward + backward >= DEAD_S).then_some(one_way && rests)
     }
 
     /// A rest of more than half of the log, of a wheel that hardly moves in the remainder, while the other one moves by

@@ -39,6 +39,7 @@ mod stale;
 mod wheels;
 
 pub use counts::{Encoder, Encoders, common_encoders};
+pub(crate) use dead::DEAD_S;
 pub use error::ConditioningError;
 pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use settings::Settings;

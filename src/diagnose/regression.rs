@@ -5,55 +5,25 @@
 //! candidates, all of them low-passed alike and without a phase shift.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
 use super::input_timing::shifted_every;
-use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered, smooth_motion};
+use super::smoothed::{Smooth, Smoothed};
+use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered};
 use crate::effects::{Motion, along};
-use crate::math::{FILLED, Real, add_products, least_squares, nonnegative};
+use crate::math::{FILLED, Real, add_products, least_squares, nonnegative, orthonormal};
 use crate::model::{Linearisation, Model};
 use crate::recording::{LocalMotion, Recording};
 
 /// Rows that are kept per cycle of the cut-off.
 const KEPT: f64 = 8.0;
-
-/// A recording after the low-pass.
-struct Smooth<'a> {
-    recording: &'a Recording,
-    index: usize,
-    /// Smoothed motion of every row.
-    motion: Vec<LocalMotion>,
-    /// The recorded input, low-passed twice, as the torques with which it is compared.
-    input: Vec<[f64; 2]>,
-}
-
-/// Low-passed recordings, computed once for all regressions.
-#[derive(Clone)]
-pub struct Smoothed<'a> {
-    /// Cut-off of the low-pass \[Hz\].
-    pub(super) cutoff: f64,
-    recordings: Arc<[Smooth<'a>]>,
-}
-
-impl<'a> Smoothed<'a> {
-    /// `recordings` low-passed at a cut-off frequency \[Hz\].
-    #[must_use]
-    pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
-        let one = |(index, recording): (usize, &&'a Recording)| {
-            let motion = smooth_motion(recording, cutoff);
-            let once = filtered(recording, cutoff, recording.torque());
-            let input = filtered(recording, cutoff, &once);
-            Smooth { recording, index, motion, input }
-        };
-        let recordings: Vec<Smooth> = recordings.par_iter().enumerate().map(one).collect();
-        Self { cutoff, recordings: recordings.into() }
-    }
-}
+/// Smallest share of a column that is independent of the base, for it to be evaluated.
+const COLLINEAR: f64 = 1e-4;
+/// Smallest singular value of the columns of the base, as a share of the largest, that is a direction of its own.
+const DEPENDENT: f64 = 1e-8;
 
 /// The rows of all recordings on which candidates are regressed.
 pub struct Regression<'a> {
@@ -114,7 +84,7 @@ impl<'a> Regression<'a> {
         if this.rows.len() < 4 * columns.ncols().max(4) {
             return None;
         }
-        this.basis = orthonormal(columns.clone());
+        this.basis = orthonormal(columns.clone(), DEPENDENT);
         this.residual = &residual - &this.basis * this.basis.tr_mul(&residual);
         (this.base, this.torque) = (columns, residual);
         this.set_beside();
@@ -383,28 +353,4 @@ struct Products {
 /// Padded width of a row with `count` columns.
 fn own_width(count: usize) -> usize {
     count.next_multiple_of(FILLED)
-}
-
-/// Smallest share of a column that is independent of the base, for it to be evaluated.
-const COLLINEAR: f64 = 1e-4;
-
-/// Orthonormal columns that span those of `columns`.
-fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
-    // a model whose parameters are all given has none
-    if columns.is_empty() {
-        return DMatrix::zeros(columns.nrows(), 0);
-    }
-    for mut column in columns.column_iter_mut() {
-        let norm = column.norm();
-        if norm > 0.0 {
-            column /= norm;
-        }
-    }
-    let svd = columns.svd(true, false);
-    let Some(u) = svd.u else { return DMatrix::zeros(0, 0) };
-    let largest = svd.singular_values.max();
-    let kept: Vec<usize> = (0..svd.singular_values.len())
-        .filter(|&n| svd.singular_values[n] > 1e-8 * largest)
-        .collect();
-    u.select_columns(&kept)
 }

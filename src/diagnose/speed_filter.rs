@@ -24,14 +24,21 @@ pub enum Computed {
     AtRows,
 }
 
-/// A first-order low-pass of the recorded speeds.
+/// A first-order low-pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedFilter {
+pub struct LowPass {
     /// Where it is computed.
     pub computed: Computed,
     /// Its time constant \[s\].
     pub time_s: f64,
-    /// Standard error of that \[s\].
+}
+
+/// A low-pass of the recorded speeds, as determined from the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedFilter {
+    /// Its form and time constant.
+    pub low_pass: LowPass,
+    /// Standard error of the time constant \[s\].
     pub std_error_s: f64,
     /// Whether a late actuator explains the speeds hardly worse.
     pub or_late: bool,
@@ -69,7 +76,7 @@ pub fn speed_filter(
     let start = &plain.fit.p[..p.len()];
     let search = Search { plain: &plain, model, p: start, recordings, hold, scale: &scale };
     let filter = search.best()?;
-    let left = search.left(filter.low_pass(), Noise::Removed)?;
+    let left = search.left(filter.low_pass, Noise::Removed)?;
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
     let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
@@ -80,20 +87,13 @@ pub fn speed_filter(
     if !bends {
         return None;
     }
-    let late = search.late_actuators(filter.low_pass());
+    let late = search.late_actuators(filter.low_pass);
     let is_late = |late: &Vec<f64>| {
         sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
     };
     let least = !late.iter().any(is_late);
     let or_late = !late.iter().all(|late| beyond_chance(late, THRESHOLDS.alike));
     (most && least).then_some(SpeedFilter { or_late, ..filter })
-}
-
-/// A low-pass with a time constant \[s\].
-#[derive(Clone, Copy)]
-struct LowPass {
-    computed: Computed,
-    time: f64,
 }
 
 impl LowPass {
@@ -105,24 +105,25 @@ impl LowPass {
     /// ```
     fn after(self, y: f64, [from, to]: [f64; 2], h: f64) -> f64 {
         let behind = match self.computed {
-            Computed::Continuously => self.time * (to - from) / h,
+            Computed::Continuously => self.time_s * (to - from) / h,
             Computed::AtRows => 0.0,
         };
         let first = if self.computed == Computed::AtRows { to } else { from };
-        to - behind + (y - first + behind) * (-h / self.time).exp()
+        to - behind + (y - first + behind) * (-h / self.time_s).exp()
     }
 
     /// A recording whose speeds are those before the low-pass.
-    fn before(self, recording: &Recording) -> Recording {
+    #[must_use]
+    pub fn before(self, recording: &Recording) -> Recording {
         let omega = recording.omega();
         let rows: Vec<[f64; 2]> = match self.computed {
             Computed::Continuously => {
                 let slopes = differentiate(recording.t(), omega, recording.pieces(), 1);
                 let rows = omega.iter().zip(slopes);
-                rows.map(|(w, s)| [0, 1].map(|i| w[i] + self.time * s[i])).collect()
+                rows.map(|(w, s)| [0, 1].map(|i| w[i] + self.time_s * s[i])).collect()
             }
             Computed::AtRows => {
-                let kept = (-recording.step() / self.time).exp();
+                let kept = (-recording.step() / self.time_s).exp();
                 let mut rows = omega.to_vec();
                 for piece in recording.pieces() {
                     // what came before the first row of a piece is unknown
@@ -136,18 +137,6 @@ impl LowPass {
         };
         recording.with_omega(rows)
     }
-}
-
-impl SpeedFilter {
-    fn low_pass(&self) -> LowPass {
-        LowPass { computed: self.computed, time: self.time_s }
-    }
-}
-
-/// A recording whose speeds are those before a low-pass.
-#[must_use]
-pub fn advanced(recording: &Recording, filter: &SpeedFilter) -> Recording {
-    filter.low_pass().before(recording)
 }
 
 /// Contribution of noise of the recorded input to squared innovations.
@@ -171,12 +160,12 @@ impl Search<'_, '_> {
     fn best(&self) -> Option<SpeedFilter> {
         let of = |computed| self.best_of(computed);
         let found = [Computed::Continuously, Computed::AtRows].into_iter().filter_map(of);
-        found.min_by(|a, b| self.sum(a.low_pass()).total_cmp(&self.sum(b.low_pass())))
+        found.min_by(|a, b| self.sum(a.low_pass).total_cmp(&self.sum(b.low_pass)))
     }
 
     /// The time constant of least error, and its error by the bend of that.
     fn best_of(&self, computed: Computed) -> Option<SpeedFilter> {
-        let sum = |time: f64| self.sum(LowPass { computed, time });
+        let sum = |time_s: f64| self.sum(LowPass { computed, time_s });
         let first = THRESHOLDS.logging * self.scale.step;
         let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
@@ -199,7 +188,8 @@ impl Search<'_, '_> {
         let time_s = middle.exp();
         let error = sum(time_s) / self.plain.windows.values() as f64;
         let std_error_s = time_s * (2.0 * error / bend).sqrt();
-        Some(SpeedFilter { computed, time_s, std_error_s, or_late: true })
+        let low_pass = LowPass { computed, time_s };
+        Some(SpeedFilter { low_pass, std_error_s, or_late: true })
     }
 
     fn sum(&self, filter: LowPass) -> f64 {
@@ -250,7 +240,7 @@ impl Search<'_, '_> {
             let mut start = found.clone();
             start.resize(timed.parameters().len(), 0.0);
             let model = timed.add_effect(std::sync::Arc::from(effect)).ok()?;
-            start.resize(model.parameters().len(), filter.time);
+            start.resize(model.parameters().len(), filter.time_s);
             let fit = fit(windows, &model, &start, self.scale)?;
             noiseless(windows, &fit)
         };
@@ -294,7 +284,7 @@ mod tests {
     fn a_low_pass_of_a_line_is_late_by_its_time_constant() {
         // u = 3 t: y = 3 (t - T) + 3 T exp(-t/T) from rest, whatever the steps
         let (time, mut t, mut y) = (0.03, 0.0, 0.0);
-        let filter = LowPass { computed: Computed::Continuously, time };
+        let filter = LowPass { computed: Computed::Continuously, time_s: time };
         for h in [0.01, 0.004, 0.02, 0.05] {
             y = filter.after(y, [3.0 * t, 3.0 * (t + h)], h);
             t += h;
@@ -302,12 +292,13 @@ mod tests {
             assert!((y - exact).abs() < 1e-15, "{t}");
         }
     }
+
     #[test]
     fn an_average_over_the_rows_is_inverted_exactly() {
         let speeds: Vec<[f64; 2]> =
             (0..50).map(|k| [(k * k % 17) as f64, (k % 5) as f64]).collect();
         let (h, share) = (0.02, 0.3);
-        let filter = LowPass { computed: Computed::AtRows, time: -h / (1.0_f64 - share).ln() };
+        let filter = LowPass { computed: Computed::AtRows, time_s: -h / (1.0_f64 - share).ln() };
         let mut averaged = speeds.clone();
         for k in 1..speeds.len() {
             averaged[k] = [0, 1].map(|i| {

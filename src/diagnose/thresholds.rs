@@ -1,9 +1,10 @@
 //! Every limit of the diagnosis, with its reason.
 
 use crate::compare::{AT_FLOOR, REGIME_RATE};
+use crate::conditioning::DEAD_S;
 use crate::effects::SURELY;
 
-/// Limits of the diagnosis. All are dimensionless. Those marked "judgement" are choices of what is worth reporting; the
+/// Limits of the diagnosis. All but `dead_s` are dimensionless. Those marked "judgement" are choices of what is worth reporting; the
 /// others follow from statistics, physics or measurements.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Thresholds {
@@ -96,6 +97,10 @@ pub struct Thresholds {
     /// Number of other effects of a step that are tried in its place if several effects are found (cost: one fit
     /// for each later effect).
     pub exchanged: usize,
+    /// Time in seconds for which the sensors of a wheel must be constant, while its input must have moved it, for their rows
+    /// to be left out before the diagnosis: six times the longest dead time that is modelled (0.15 s), which depends on
+    /// radio links and buses and not on the robot.
+    pub dead_s: f64,
 }
 
 /// The limits that the program uses.
@@ -133,4 +138,5 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     logging: 0.5,
     fewest_windows: 4,
     exchanged: 4,
+    dead_s: DEAD_S,
 };

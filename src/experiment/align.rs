@@ -4,7 +4,7 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    Computed, Judge, LONGEST_DELAY, SpeedFilter, StartAngle, Timing, advanced, held_input, phases,
+    Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input, phases,
     shapes_placed, speed_filter, start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
@@ -198,14 +198,15 @@ fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Opti
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     let filter = speed_filter(&plan.model, start, &recordings, plan.hold)?;
-    let SpeedFilter { computed, time_s, std_error_s, or_late } = filter;
+    let SpeedFilter { low_pass, std_error_s, or_late } = filter;
+    let LowPass { computed, time_s } = low_pass;
     let at_rows = computed == Computed::AtRows;
     let kind = Kind::LowPass { at_rows, time_s, std_error_s, or_late };
     for m in &mut plan.recordings {
         let found = [0, 1].map(|i| Finding::corrected(Channel::Speed(i), kind, "speeds", correct));
         m.conditioning.extend(found);
         if correct {
-            m.recording = advanced(&m.recording, &filter);
+            m.recording = low_pass.before(&m.recording);
         }
     }
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))

@@ -81,12 +81,12 @@ pub fn export(
     let models = last_run(&plan, out)?;
     let folder = out.join(&plan.name).join("export");
     make_folder(&folder)?;
-    let mut said = format!("{}\n", words(&models));
+    let mut message = format!("{}\n", words(&models));
     let mut write = |files: Vec<(String, Vec<u8>)>| -> Result<(), ExperimentError> {
         for (name, bytes) in files {
             let path = folder.join(name);
             write_whole(&path, &bytes)?;
-            let _ = writeln!(said, "    {}", path.display());
+            let _ = writeln!(message, "    {}", path.display());
         }
         Ok(())
     };
@@ -99,9 +99,9 @@ pub fn export(
         remarks.extend(words.into_iter().filter(|w| !remarks.contains(w)).collect::<Vec<_>>());
     }
     for remark in remarks {
-        let _ = writeln!(said, "{remark}");
+        let _ = writeln!(message, "{remark}");
     }
-    Ok(said)
+    Ok(message)
 }
 
 /// The identified robot for controllers and simulators.

@@ -62,11 +62,11 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     let recordings = with_parts(recordings)?;
     let columns = preview(&recordings[0])?;
     let mut guess = guess(&columns);
-    let (mut said, mut kinds, mut unread) = (vec![], vec![], None);
+    let (mut remarks, mut kinds, mut unread) = (vec![], vec![], None);
     if let Some((period, comment)) = stated_period(&recordings[0])
         && guess.take_period(period)
     {
-        said.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
+        remarks.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
     }
     for path in &recordings {
         let (words, kind) = match look(path, &guess) {
@@ -87,7 +87,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
             }
         };
         let name = path.to_string_lossy();
-        said.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
+        remarks.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
         kinds.push(kind);
     }
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
@@ -100,10 +100,15 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         format!("what is to be changed? The recording cannot be read with these columns: {reason}")
     }));
     let (validation, split) = split(&kinds);
-    said.extend(split);
+    remarks.extend(split);
     let recordings: Vec<(PathBuf, bool)> = recordings.into_iter().zip(validation).collect();
-    let written =
-        Written { recordings: &recordings, folder, guess: &guess, said: &said, columns: &columns };
+    let written = Written {
+        recordings: &recordings,
+        folder,
+        guess: &guess,
+        remarks: &remarks,
+        columns: &columns,
+    };
     let mut text = file_text(&written);
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");

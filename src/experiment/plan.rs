@@ -109,12 +109,12 @@ impl Plan {
             let remarkable = m.conditioning.iter().filter(|f| f.is_remarkable());
             stated(&remarkable.copied().collect::<Vec<_>>())
         };
-        let said = self.grouped(corrected, Stated::join);
-        let said = said.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
+        let stated = self.grouped(corrected, Stated::join);
+        let stated = stated.into_iter().map(|(names, corrected)| format!("{names}: {corrected}"));
         // a diagnosis reports it as an effect
         let late = self.late().filter(|_| self.diagnosis.is_none());
         let late = late.map(|t| format!("dead time {}: {}", dead_time(&t), dead_time_advice()));
-        said.chain(self.remarks_and_findings()).chain(late).collect()
+        stated.chain(self.remarks_and_findings()).chain(late).collect()
     }
 
     /// The dead time, if it exceeds what logging explains and the model has none.

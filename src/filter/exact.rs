@@ -205,23 +205,4 @@ fn mass_slopes(model: &Model, p: &[f64]) -> Vec<(usize, Matrix2<f64>)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_mean_transition_of_decaying_speeds_is_that_of_exponentials() {
-        // straight driving and turning decay at different rates
-        for (straight, turning) in [(0.1, 0.3), (0.5, 2.0), (1.0, 3.5)] {
-            let along = |f: &dyn Fn(f64) -> f64| {
-                let (s, t) = (f(straight), f(turning));
-                Matrix2::new(s + t, s - t, s - t, s + t) * 0.5
-            };
-            let found = mean_transition(&along(&|z: f64| (-z).exp())).unwrap();
-            let exact = along(&|z: f64| (1.0 - (-z).exp()) / z);
-            // the error of the rule is 4 % of the mean at 3.5 time constants
-            assert!((found - exact).amax() < 0.012, "{found} {exact}");
-        }
-        let stopped = Matrix2::new(1.0, 0.0, 0.0, 0.0);
-        assert!(mean_transition(&stopped).is_none());
-    }
-}
+mod tests;

@@ -188,13 +188,17 @@ fn shown_by(recording: &Recording, model: &Model, p: &[f64], of: Range<usize>) -
 }
 
 /// Largest distance of the distribution of p-values from the uniform one (Kolmogorov and Smirnov).
-pub(super) fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
-    let mut p: Vec<f64> = all.iter().map(of).collect();
+pub(super) fn distance_from_uniform(mut p: Vec<f64>) -> f64 {
     p.sort_by(f64::total_cmp);
     let n = p.len() as f64;
     let apart =
         |(k, p): (usize, &f64)| (p - k as f64 / n).abs().max((p - (k + 1) as f64 / n).abs());
     p.iter().enumerate().map(apart).fold(0.0, f64::max)
+}
+
+/// The same of one of the p-values of all recordings.
+pub(super) fn distance(all: &[Shown], of: impl Fn(&Shown) -> f64) -> f64 {
+    distance_from_uniform(all.iter().map(of).collect())
 }
 
 #[test]

@@ -23,7 +23,7 @@ use crate::model::base;
 /// ```
 /// The bounds of every effect come from its description. `loss` is `squares`, `l1` (the median:
 /// immune to a few wild rows) or `huber` between the two. Rows and filter as in
-/// `torque_regression`. Which bound is active is read from its multiplier and said in the notes.
+/// `torque_regression`. Which bound is active is read from its multiplier and stated in the notes.
 ///
 /// Source: Sousa and Cortesão, Int. J. Robotics Research 33 (2014); solver: Goulart and Chen,
 /// Clarabel (2024).

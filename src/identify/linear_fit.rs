@@ -9,7 +9,7 @@ use crate::model::base::{A1, A2};
 
 /// A fit of the linear parameters alone: shapes and what shifts the input are held where the model starts.
 ///
-/// `information` of the columns tells which directions the data give, up to a factor; `covariance`
+/// `information` of the columns states which directions the data determine, up to a factor; `covariance`
 /// is that of the columns.
 pub(super) fn linear_fit(
     method: &str,

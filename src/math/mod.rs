@@ -59,7 +59,7 @@ pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};
 pub(crate) use runs::runs;
 
 pub use scalar::{Dual, Real, sgn};
-pub(crate) use singular_values::pseudo_inverse;
+pub(crate) use singular_values::{orthonormal, pseudo_inverse};
 pub use span::Span;
-pub(crate) use span::Spans;
+pub(crate) use span::{Statement, joined};
 pub use symbol::{Symbol, record};

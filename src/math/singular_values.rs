@@ -58,6 +58,23 @@ pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> Option<DMatri
     Some(svd.pseudo_inverse(rank))
 }
 
+/// Orthonormal columns that span those of a matrix with at least as many rows as columns; directions whose singular value,
+/// after the columns are scaled to a norm of one, is less than `share` of the largest are left out.
+pub(crate) fn orthonormal(mut columns: DMatrix<f64>, share: f64) -> DMatrix<f64> {
+    for mut column in columns.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column /= norm;
+        }
+    }
+    let SingularValues { left_scaled: mut basis, values, .. } = singular_values(columns);
+    let largest = values.first().copied().unwrap_or(0.0);
+    let rank = values.iter().take_while(|value| **value > share * largest).count();
+    basis.resize_horizontally_mut(rank, 0.0);
+    basis.column_iter_mut().zip(&values).for_each(|(mut column, value)| column /= *value);
+    basis
+}
+
 impl SingularValues {
     /// Pseudo-inverse from this number of largest singular values.
     pub(crate) fn pseudo_inverse(&self, rank: usize) -> DMatrix<f64> {
@@ -118,6 +135,20 @@ mod tests {
         let exact = DMatrix::from_row_slice(2, 2, &[0.6, -0.2, -0.2, 0.4]);
         assert!((pseudo_inverse(&b, 0.0).unwrap() - exact).amax() < 1e-15);
         assert_eq!(pseudo_inverse(&DMatrix::from_element(9, 9, f64::NAN), 0.0), None);
+    }
+
+    #[test]
+    fn the_orthonormal_basis_of_dependent_columns_has_their_rank_and_spans_them() {
+        // the third column is the sum of the first two, in another unit
+        let a =
+            DMatrix::from_row_slice(4, 3, &[1., 0., 1e6, 2., 1., 3e6, 0., 1., 1e6, 1., 3., 4e6]);
+        let basis = orthonormal(a.clone(), 1e-8);
+        assert_eq!(basis.ncols(), 2);
+        assert!((basis.tr_mul(&basis) - DMatrix::identity(2, 2)).amax() < 1e-14);
+        // 1e6 times the rounding of a number
+        assert!((&a - &basis * basis.tr_mul(&a)).amax() < 1e-8);
+        // a model whose parameters are all given has no columns
+        assert_eq!(orthonormal(DMatrix::zeros(4, 0), 1e-8).shape(), (4, 0));
     }
 
     #[test]

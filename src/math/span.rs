@@ -45,33 +45,31 @@ impl<T: Copy + PartialOrd> Span<T> {
     }
 }
 
-/// A statement whose numbers are ranges.
-pub(crate) trait Spans: Copy {
-    /// The same statement with other numbers.
-    fn with(
-        self,
-        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
-        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
-    ) -> Self;
+/// A statement with counts of type `C` and other numbers of type `R`.
+pub(crate) trait Statement<C, R>: Copy {
+    /// The same statement with numbers of other types.
+    type With<D: Copy, S: Copy>: Copy;
 
-    /// Two statements that differ only in numbers, combined with the ranges of these.
-    fn joined(self, other: Self) -> Self {
-        let (mut counts, mut reals) = (vec![], vec![]);
-        let mut count = |count| {
-            counts.push(count);
-            count
-        };
-        let mut real = |real| {
-            reals.push(real);
-            real
-        };
-        other.with(&mut count, &mut real);
-        let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
-        self.with(
-            &mut |count| counts.next().map_or(count, |other| count.join(other)),
-            &mut |real| reals.next().map_or(real, |other| real.join(other)),
-        )
-    }
+    /// Replaces all counts by the first function and all other numbers by the second.
+    fn map<D: Copy, S: Copy>(
+        self,
+        whole: impl FnMut(C) -> D,
+        real: impl FnMut(R) -> S,
+    ) -> Self::With<D, S>;
+}
+
+/// Two statements that differ only in numbers, combined with the ranges of these.
+pub(crate) fn joined<T>(one: T, other: T) -> T
+where
+    T: Statement<Span<usize>, Span<f64>, With<Span<usize>, Span<f64>> = T>,
+{
+    let (mut counts, mut reals) = (vec![], vec![]);
+    other.map(|count| counts.push(count), |real| reals.push(real));
+    let (mut counts, mut reals) = (counts.into_iter(), reals.into_iter());
+    one.map(
+        |count| counts.next().map_or(count, |other| count.join(other)),
+        |real| reals.next().map_or(real, |other| real.join(other)),
+    )
 }
 
 /// Formats both ends with the given digits and sign.

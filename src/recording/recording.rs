@@ -46,7 +46,7 @@ pub(super) struct Kept {
     pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
     /// [`Recording::motion_noise`].
     pub(super) motion_noise: OnceLock<MotionNoise>,
-    /// `one_step::most_noise` with the input of the first copy that asks.
+    /// `one_step::most_noise` with the input of the first copy for which it is computed.
     pub(super) most_noise: OnceLock<MostNoise>,
     /// [`Recording::sensing`].
     pub(super) sensing: OnceLock<Sensing>,

@@ -14,10 +14,10 @@ const NAMED: usize = 20;
 /// let found = [("a", Issue::Short(2.0)), ("b", Issue::Still(0)), ("c", Issue::Short(3.0))];
 /// let found = found.map(|(name, issue)| (name, issue.stated()));
 /// let groups = grouped(found.into_iter(), 4, StatedIssue::join);
-/// let said: Vec<String> =
+/// let stated: Vec<String> =
 ///     groups.iter().map(|(names, issue)| format!("{names}: {}", issue.what())).collect();
 /// assert_eq!(
-///     said,
+///     stated,
 ///     ["a and c: the recording lasts 2.00 to 3.00 s", "b: wheel 1 (right) never moves"]
 /// );
 /// ```
@@ -64,11 +64,11 @@ mod tests {
     #[test]
     fn a_recording_with_two_findings_of_the_same_kind_is_named_once() {
         let found = [("a", reset(0, 3)), ("a", reset(0, 17)), ("b", reset(1, 3))];
-        let said = grouped(found.into_iter(), 2, Stated::join);
-        assert_eq!(said.len(), 2);
-        assert_eq!(said[0].0, "a");
-        let text = said[0].1.to_string();
+        let stated = grouped(found.into_iter(), 2, Stated::join);
+        assert_eq!(stated.len(), 2);
+        assert_eq!(stated[0].0, "a");
+        let text = stated[0].1.to_string();
         assert!(text.starts_with("alpha1 jumps by +2.0000 rad at row 3 to 17"), "{text}");
-        assert!(said[1].1.to_string().starts_with("alpha2 jumps"));
+        assert!(stated[1].1.to_string().starts_with("alpha2 jumps"));
     }
 }

@@ -1,11 +1,12 @@
 //! Findings that differ in their numbers alone, and what they become together.
 
 use super::Kind;
-use crate::math::{Span, Spans};
+use crate::math::{Span, Statement};
 
-impl<C: Copy, R: Copy> Kind<C, R> {
-    /// The same with other numbers.
-    pub(super) fn map<D, S>(
+impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
+    type With<D: Copy, S: Copy> = Kind<D, S>;
+
+    fn map<D: Copy, S: Copy>(
         self,
         mut whole: impl FnMut(C) -> D,
         mut real: impl FnMut(R) -> S,
@@ -116,15 +117,5 @@ impl Kind<Span<usize>, Span<f64>> {
             Self::Phase { shift_s, .. } => shift_s.low() > 0.0,
             _ => false,
         }
-    }
-}
-
-impl Spans for Kind<Span<usize>, Span<f64>> {
-    fn with(
-        self,
-        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
-        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
-    ) -> Self {
-        self.map(whole, real)
     }
 }

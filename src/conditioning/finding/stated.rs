@@ -1,7 +1,7 @@
 //! Findings as they are printed: what several channels or recordings share once, with the ranges of its numbers.
 
 use super::{Action, Channel, Finding, Kind};
-use crate::math::{Span, Spans};
+use crate::math::{Span, Statement, joined};
 
 /// Statement of one or several findings.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Stated {
             && self.action == other.action
             && self.kind.is_like(other.kind);
         if is_like {
-            self.kind = self.kind.joined(other.kind);
+            self.kind = joined(self.kind, other.kind);
         }
         is_like
     }

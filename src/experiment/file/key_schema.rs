@@ -167,12 +167,12 @@ pub(super) fn methods(_: &mut SchemaGenerator) -> Schema {
 }
 
 fn method(method: &dyn identify::Identifier) -> Value {
-    let said = method.describe();
+    let described = method.describe();
     let typed = method.schema().to_value();
     let mut keys = Map::new();
-    keys.insert("name".into(), json!({ "const": said.name, "description": said.title }));
+    keys.insert("name".into(), json!({ "const": described.name, "description": described.title }));
     keys.extend(typed["properties"].as_object().cloned().unwrap_or_default());
-    json!({ "title": said.title, "description": format!("Use: {}.", said.use_when),
+    json!({ "title": described.title, "description": format!("Use: {}.", described.use_when),
             "type": "object", "properties": keys, "required": ["name"],
             "additionalProperties": false })
 }

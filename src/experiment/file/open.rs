@@ -20,9 +20,10 @@ pub(super) fn refuse_open(file: &str, table: &Table) -> Result<(), FileError> {
             None => groups.push((wanted, vec![key])),
         }
     }
-    let said = groups.iter().map(|(wanted, keys)| format!("{}: write {wanted}", keys.join(", ")));
-    let said = said.collect::<Vec<_>>().join("; ");
-    let message = format!("= \"?\" is still open. {said}");
+    let remedies =
+        groups.iter().map(|(wanted, keys)| format!("{}: write {wanted}", keys.join(", ")));
+    let remedies = remedies.collect::<Vec<_>>().join("; ");
+    let message = format!("= \"?\" is still open. {remedies}");
     Err(FileError::Value { file: file.into(), key: first, message })
 }
 

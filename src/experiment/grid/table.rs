@@ -87,9 +87,9 @@ fn columns(grid: &GridPlan, cells: &[Cell], diagnosed: bool) -> Vec<TableColumn>
         text("reason", &|_, row| &row.reason),
     ]);
     if diagnosed {
-        let said =
+        let stated =
             |cell: &Cell| cell.verdict.as_ref().map_or_else(String::new, |v| v.text().into());
-        let texts = rows.iter().map(|(cell, _)| said(cell));
+        let texts = rows.iter().map(|(cell, _)| stated(cell));
         out.push(TableColumn::Text("verdict".into(), texts.collect()));
         out.push(text("found", &|cell, _| &cell.found));
     }

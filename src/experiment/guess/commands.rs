@@ -69,56 +69,101 @@ pub(super) fn apply(
     }
     let mut inputs: Vec<&mut Guessed> =
         guess.columns.iter_mut().filter(|c| c.key.starts_with('M')).collect();
-    let share = |one: &&mut Guessed| {
-        let is_named = has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name);
-        one.unit.is_none() && (is_named || is_output(&named(&one.name)))
-    };
-    if inputs.is_empty() || !inputs.iter().all(share) || inputs.iter().any(|c| is_volt(&c.name)) {
+    if !are_commands(&inputs) {
         let asked = millivolts(&mut inputs, of);
         guess.ask_all(asked);
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
-    let is_pulse = inputs.iter().all(|one| is_pulse(of(&one.name)));
-    if is_pulse {
-        inputs.iter_mut().for_each(|one| set_neutral(one));
-    }
-    let centre = centred::centre(columns, &inputs).filter(|_| !is_pulse);
-    if let Some(centre) = centre {
-        centred::shift(&mut inputs, centre);
-    }
-    let top = if is_pulse {
-        PULSE.1 - 1000.0
-    } else if let Some(centre) = centre {
-        centre
-    } else {
-        inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max)
-    };
-    let rest = if is_pulse { Some(PULSE.1) } else { centre };
-    let full = if rest.is_some() { top } else { full_scale(top, &inputs[0].name.to_lowercase()) };
-    let reaches = (1e4 * top).round() / 1e4;
-    let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
+    let range = Range::taken(columns, &mut inputs);
     let name = inputs[0].name.clone();
-    if let Some((column, factor)) = volts.filter(|_| !is_pulse) {
-        take_share(&mut inputs, column, factor, full);
-        guess.ask(format!(
-            "`{name}` reaches {reaches}: is {full} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
+    let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
+    let asked = if let Some((column, factor)) = volts.filter(|_| !range.is_pulse) {
+        take_share(&mut inputs, column, factor, range.full);
+        range.question_of_battery(&name, column, factor)
+    } else if range.rest.is_none()
+        && is_volt_sized(range.top, &name, inputs.iter().map(|one| of(&one.name)))
+    {
+        format!(
+            "`{name}` reaches {}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2",
+            range.reaches()
+        )
+    } else {
+        range.question_of_scale(&name)
+    };
+    guess.ask(asked);
+}
+
+/// Whether inputs without a unit have the names of commands, and none that of volts.
+fn are_commands(inputs: &[&mut Guessed]) -> bool {
+    let is_command = |one: &&mut Guessed| {
+        let is_named = has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name);
+        one.unit.is_none() && (is_named || is_output(&named(&one.name)))
+    };
+    let is_volt = |one: &&mut Guessed| is_volt(&one.name);
+    !inputs.is_empty() && inputs.iter().all(is_command) && !inputs.iter().any(is_volt)
+}
+
+/// The values of a command.
+struct Range {
+    /// Whether it is the pulse width of a servo.
+    is_pulse: bool,
+    /// Value at rest, if it is not zero.
+    rest: Option<f64>,
+    /// Largest deviation from rest.
+    top: f64,
+    /// Deviation for the full voltage.
+    full: f64,
+}
+
+impl Range {
+    /// The range of inputs, from which their value at rest is subtracted.
+    fn taken(columns: &[PreviewColumn], inputs: &mut [&mut Guessed]) -> Self {
+        let of = |name: &str| values_of(columns, name);
+        let is_pulse = inputs.iter().all(|one| is_pulse(of(&one.name)));
+        if is_pulse {
+            inputs.iter_mut().for_each(|one| set_neutral(one));
+            let top = PULSE.1 - 1000.0;
+            return Self { is_pulse, rest: Some(PULSE.1), top, full: top };
+        }
+        if let Some(centre) = centred::centre(columns, inputs) {
+            centred::shift(inputs, centre);
+            return Self { is_pulse, rest: Some(centre), top: centre, full: centre };
+        }
+        let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
+        let full = full_scale(top, &inputs[0].name.to_lowercase());
+        Self { is_pulse, rest: None, top, full }
+    }
+
+    /// Its largest deviation as it is printed.
+    fn reaches(&self) -> f64 {
+        (1e4 * self.top).round() / 1e4
+    }
+
+    /// The question whether the full scale that is assumed is the voltage of the battery in `column`.
+    fn question_of_battery(&self, name: &str, column: &PreviewColumn, factor: f64) -> String {
+        format!(
+            "`{name}` reaches {}: is {} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
+            self.reaches(),
+            self.full,
             column.name,
             volts_of(column, factor)
-        ));
-    } else if rest.is_none() && is_volt_sized(top, &name, inputs.iter().map(|one| of(&one.name))) {
-        guess.ask(format!(
-            "`{name}` reaches {reaches}: is it in volts, as assumed? For a share of the battery voltage write the volts per unit as scale in M1 and M2"
-        ));
-    } else {
-        guess.ask(format!(
-            "`{name}` is a share of the battery voltage{}: with {full} for the full 12 V write \
-             scale = {:.5}{} in M1 and M2; otherwise one volt of the results is one unit of the command",
-            if rest.is_some() { String::new() } else { format!(" and reaches {reaches}") },
-            12.0 / full,
+        )
+    }
+
+    /// The question for the scale of a share of a battery voltage that is not recorded.
+    fn question_of_scale(&self, name: &str) -> String {
+        let volts = 12.0 / self.full;
+        let (reaches, offset) = match self.rest {
             // what is added stands behind the factor
-            rest.map_or(String::new(), |rest| format!(", offset = {}", -rest * 12.0 / full)),
-        ));
+            Some(rest) => (String::new(), format!(", offset = {}", -rest * 12.0 / self.full)),
+            None => (format!(" and reaches {}", self.reaches()), String::new()),
+        };
+        format!(
+            "`{name}` is a share of the battery voltage{reaches}: with {} for the full 12 V write \
+             scale = {volts:.5}{offset} in M1 and M2; otherwise one volt of the results is one unit of the command",
+            self.full
+        )
     }
 }
 

@@ -30,12 +30,12 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
             .and_then(|(t, w)| Some((w, counts_by_speed(of(&t.name), t, values, of(&w.name))?)));
         if let Some((w, ratio)) = ratio {
             let row = time.and_then(|t| Some(row_step(of(&t.name), t.sum)? * seconds(t)));
-            let said = match w.unit {
+            let stated = match w.unit {
                 Some(_) => stated(w, ratio),
                 None if is_unknown(of(&w.name), w) => None,
                 None => unstated(ratio),
             };
-            if let Some((turns, unit)) = said.filter(|(turns, _)| COUNTS.contains(turns)) {
+            if let Some((turns, unit)) = stated.filter(|(turns, _)| COUNTS.contains(turns)) {
                 guess.columns[k].per_turn = Some(turns);
                 let why = format!("{turns} counts per turn, from the speed column");
                 guess.columns[k].evidence.push(why);

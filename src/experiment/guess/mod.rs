@@ -59,46 +59,19 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     numbers::apply(&mut all);
     unknown_sides::apply(&mut all);
     let mut pairs = Pairs::new(&all);
-    let mut angles = pairs.of(Quantity::Angle, ANGLES);
-    let mut speeds = pairs.of(Quantity::Speed, SPEEDS);
-    let mut two = |(q, unit)| Some((pairs.of(q, INPUT)?, unit));
-    let mut inputs: Vec<Input> = INPUTS.into_iter().filter_map(&mut two).collect();
-    if angles.is_none() && speeds.is_none() {
-        // `l` and `r` and no more: counts, where they are whole numbers
-        let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| counts::are(columns, c));
-        angles = pairs.bare(ANGLES).filter(counts);
-        if angles.is_none() && !inputs.is_empty() {
-            // with an input present they are speeds, in a unit that is asked for
-            speeds = pairs.bare(SPEEDS);
-        }
-    }
-    let is_sure = |pair: &Option<[Guessed; 2]>| pair.as_ref().is_some_and(|p| !p[0].side_unsure);
+    let mut wheels = Wheels::of_pairs(&mut pairs, columns);
     // one axis alone: a column that stands beside pairs is something else, as the current of both motors
-    if !is_sure(&angles)
-        && !is_sure(&speeds)
-        && inputs.is_empty()
-        && !pairs.are_several
-        && owners.is_none()
-    {
-        let none = angles.is_none() && speeds.is_none();
-        let axis = Axis::of(&all);
-        if axis.moves() && (none || !axis.inputs.is_empty()) {
+    if !wheels.are_certain() && !pairs.are_several && owners.is_none() {
+        let axis = Wheels::of_one_axis(&all);
+        if axis.are_moving() && (!wheels.are_moving() || !axis.inputs.is_empty()) {
             out.one_axis = true;
-            (angles, speeds, inputs) = (axis.angles, axis.speeds, axis.inputs);
+            wheels = axis;
         }
     }
     let are_several = pairs.are_several;
     out.ask_all(pairs.questions.into_iter().chain(owners));
     let directions = directions::Directions::of(columns);
-    let mut asked = vec![];
-    let input = input(columns, inputs, [angles.as_ref(), speeds.as_ref()], &directions, &mut asked);
-    out.ask_all(asked);
-    out.columns.extend(angles.into_iter().flatten());
-    out.columns.extend(speeds.into_iter().flatten());
-    if let Some((input, unit)) = input {
-        out.drive_unit = unit;
-        out.columns.extend(input);
-    }
+    wheels.add_to(&mut out, columns, &directions);
     complete(&all, columns, &mut out);
     directions.give(columns, &mut out);
     signs::bounce(columns, &mut out);
@@ -132,15 +105,35 @@ fn complete(all: &[Candidate], columns: &[PreviewColumn], out: &mut Guess) {
     out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));
 }
 
-/// One axis used for both wheels.
-struct Axis {
+/// The columns of the right and the left wheel.
+struct Wheels {
     angles: Option<[Guessed; 2]>,
     speeds: Option<[Guessed; 2]>,
+    /// Possible inputs, the most informative first.
     inputs: Vec<Input>,
 }
 
-impl Axis {
-    fn of(all: &[Candidate]) -> Self {
+impl Wheels {
+    /// The columns of both wheels.
+    fn of_pairs(pairs: &mut Pairs, columns: &[PreviewColumn]) -> Self {
+        let mut angles = pairs.of(Quantity::Angle, ANGLES);
+        let mut speeds = pairs.of(Quantity::Speed, SPEEDS);
+        let two = |(q, unit)| Some((pairs.of(q, INPUT)?, unit));
+        let inputs: Vec<Input> = INPUTS.into_iter().filter_map(two).collect();
+        if angles.is_none() && speeds.is_none() {
+            // `l` and `r` and no more: counts, where they are whole numbers
+            let counts = |pair: &[Guessed; 2]| pair.iter().all(|c| counts::are(columns, c));
+            angles = pairs.bare(ANGLES).filter(counts);
+            if angles.is_none() && !inputs.is_empty() {
+                // with an input present they are speeds, in a unit that is asked for
+                speeds = pairs.bare(SPEEDS);
+            }
+        }
+        Self { angles, speeds, inputs }
+    }
+
+    /// The columns of one axis, which are used for both wheels.
+    fn of_one_axis(all: &[Candidate]) -> Self {
         let input = |(q, unit)| Some((pairs::one(all, q, INPUT)?, unit));
         Self {
             angles: pairs::one(all, Quantity::Angle, ANGLES),
@@ -149,8 +142,36 @@ impl Axis {
         }
     }
 
-    fn moves(&self) -> bool {
+    /// Whether a motion was found.
+    fn are_moving(&self) -> bool {
         self.angles.is_some() || self.speeds.is_some()
+    }
+
+    /// Whether the names determine the wheel of a motion, or there is an input.
+    fn are_certain(&self) -> bool {
+        let is_certain =
+            |pair: &Option<[Guessed; 2]>| pair.as_ref().is_some_and(|p| !p[0].side_unsure);
+        is_certain(&self.angles) || is_certain(&self.speeds) || !self.inputs.is_empty()
+    }
+
+    /// Adds the columns to `out`, of the inputs the most informative one.
+    fn add_to(
+        self,
+        out: &mut Guess,
+        columns: &[PreviewColumn],
+        directions: &directions::Directions,
+    ) {
+        let Self { angles, speeds, inputs } = self;
+        let mut asked = vec![];
+        let motions = [angles.as_ref(), speeds.as_ref()];
+        let input = input(columns, inputs, motions, directions, &mut asked);
+        out.ask_all(asked);
+        out.columns.extend(angles.into_iter().flatten());
+        out.columns.extend(speeds.into_iter().flatten());
+        if let Some((input, unit)) = input {
+            out.drive_unit = unit;
+            out.columns.extend(input);
+        }
     }
 }
 

@@ -3,14 +3,16 @@
 mod compounds;
 mod factor;
 mod foreign;
-mod said;
+mod interpreted;
+mod measure;
 mod unit;
 mod words;
 
-use self::factor::{many, multiplied, take_multiple, take_power_of_ten};
+use self::factor::multiplied;
 use self::foreign::is_foreign;
-pub(super) use self::said::{Named, Quantity, Side};
-use self::unit::{bracketed, split_unit, unit, unit_behind, unit_in_front};
+pub(super) use self::interpreted::{Named, Quantity, Side};
+use self::measure::Measure;
+use self::unit::{split_unit, unit, unit_in_front};
 use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{
     MEASURED, WISHED, is_distance, is_place, leaves_angle_open, leaves_speed_open,
@@ -37,27 +39,8 @@ pub(in crate::experiment::guess) fn named_with(
     if words.len() > 1 && words.last().is_some_and(|w| w == "data") {
         words.pop();
     }
-    let (mut scale, bracket) = bracket.map_or((None, None), |b| {
-        let (times, unit) = multiplied(b);
-        let (scale, unit) = many(unit);
-        (times.or(scale), Some(unit))
-    });
-    scale = times.or(scale).or_else(|| take_multiple(&mut words));
-    part_halves(&mut words);
-    let plain = bracket.map(|u| u.to_lowercase().replace([' ', '·', '*', '.', '-'], ""));
-    let is_half = plain.as_deref().is_some_and(|u| u.starts_with(HALF));
-    let mut ending = plain.as_deref().and_then(|u| bracketed(u.strip_prefix(HALF).unwrap_or(u)));
-    ending = ending.or(front);
-    if ending.is_none() {
-        ending = unit_behind(&mut words);
-        scale = scale.or_else(|| ending.and_then(|_| take_power_of_ten(&mut words)));
-    }
-    if is_half || take_half(&mut words, ending.map(|(unit, _)| unit)) {
-        scale = Some(0.5 * scale.unwrap_or(1.0));
-    }
-    if ending.is_none() && words.iter().any(|w| w == "rpm" || w == "erpm") {
-        ending = unit("rpm");
-    }
+    let Measure { unit: mut ending, scale, plain, in_brackets } =
+        Measure::taken(&mut words, times, bracket, front);
     let step = words.iter().any(|w| STEPS.contains(&w.as_str()))
         || words.windows(2).any(|w| w[0] == "delta" && matches!(w[1].as_str(), "t" | "time"));
     let foreign = is_foreign(&words);
@@ -65,7 +48,6 @@ pub(in crate::experiment::guess) fn named_with(
     let battery = !name.contains('%') && is_battery(&words, ending.map(|(unit, _)| unit));
     let wished = words.iter().any(|w| WISHED.contains(&w.as_str()));
     let side = take_side(&mut words);
-    let in_brackets = bracket.is_some_and(|b| !b.is_empty());
     let (mut quantity, word) = match other {
         true => (None, String::new()),
         false => quantity_of(&mut words, ending, in_brackets, side.is_some()),
@@ -98,12 +80,12 @@ fn quantity_of(
     has_side: bool,
 ) -> (Option<Quantity>, String) {
     let taken = take_quantity(words);
-    let (quantity, word) = taken.map_or((None, String::new()), |(said, by)| (Some(said), by));
+    let (quantity, word) = taken.map_or((None, String::new()), |(stated, by)| (Some(stated), by));
     match ending {
         // a unit in brackets is one for certain: `v_l (m/s)` is no voltage; nor is `position_rpm` a position.
         // `a` alone as a unit is not sufficient
-        Some((said, Some(of))) if in_brackets || is_overruled(quantity, &word, of) => {
-            let sufficient = said != "A" || !words.is_empty() || has_side;
+        Some((stated, Some(of))) if in_brackets || is_overruled(quantity, &word, of) => {
+            let sufficient = stated != "A" || !words.is_empty() || has_side;
             (sufficient.then_some(of).or(quantity), word)
         }
         _ => (quantity, word),
@@ -121,31 +103,6 @@ fn of_frequency(quantity: Option<Quantity>, word: &str) -> Option<&'static str> 
         Some(Quantity::Speed) if !leaves_speed_open(word) => Some("rad/s"),
         _ => None,
     }
-}
-
-/// What stands before turns of which two are one.
-const HALF: &str = "half";
-
-/// Makes two words of `halfturns`.
-fn part_halves(words: &mut Vec<String>) {
-    let glued = |w: &String| {
-        let of = w.strip_prefix(HALF).and_then(unit);
-        of.is_some_and(|(unit, _)| unit.starts_with("rev"))
-    };
-    if let Some(k) = words.iter().position(glued) {
-        let turns = words[k].split_off(HALF.len());
-        words.insert(k + 1, turns);
-    }
-}
-
-/// Takes the word of half turns off the end, where their unit stood behind it.
-fn take_half(words: &mut Vec<String>, unit: Option<&str>) -> bool {
-    let is_half =
-        unit.is_some_and(|u| u.starts_with("rev")) && words.last().is_some_and(|w| w == HALF);
-    if is_half {
-        words.pop();
-    }
-    is_half
 }
 
 /// Whether a name denotes the battery voltage: it contains volts, or only the battery. The values must then be those

@@ -9,7 +9,7 @@ const MOST: usize = 40;
 /// Smallest number of rows, since columns of fewer are correlated by chance, and largest number of
 /// sentences.
 const ROWS: usize = 30;
-const SAID: usize = 3;
+const QUESTIONS: usize = 3;
 /// Windows that a recording is cut into.
 const WINDOWS: usize = 200;
 /// Smallest correlation over the windows for "the slope of": an angle and its speed reach it unless noise
@@ -42,10 +42,10 @@ pub(super) fn hints(columns: &[PreviewColumn], guess: &Guess) -> Vec<String> {
         });
         shared.count() == 1
     };
-    let said = found.iter().filter(is_one).map(|(angle, speed)| {
+    let questions = found.iter().filter(is_one).map(|(angle, speed)| {
         format!("`{}` is the slope of `{}`: a speed and its angle?", speed.name, angle.name)
     });
-    said.take(SAID).collect()
+    questions.take(QUESTIONS).collect()
 }
 
 /// Whether a column may be a motion: a single value is a setting, and its integral would correlate with any

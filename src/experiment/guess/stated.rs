@@ -60,8 +60,8 @@ const CLOCKS: [&str; 19] = [
 /// Whether a text in brackets states the clock of a time: `UTC`, `UTC+2`.
 fn is_clock(stated: &str) -> bool {
     let words = crate::io::words(stated);
-    let mut said = words.iter().filter(|w| w.chars().all(char::is_alphabetic)).peekable();
-    said.peek().is_some() && said.all(|w| CLOCKS.contains(&w.as_str()) || w == "time")
+    let mut lettered = words.iter().filter(|w| w.chars().all(char::is_alphabetic)).peekable();
+    lettered.peek().is_some() && lettered.all(|w| CLOCKS.contains(&w.as_str()) || w == "time")
 }
 
 /// Reference values of a share.

@@ -162,7 +162,7 @@ fn what_is_missing_is_asked_with_what_is_open() {
         recordings: &recordings,
         folder: std::path::Path::new(""),
         guess: &g,
-        said: &[],
+        remarks: &[],
         columns: &log,
     };
     let text = file_text(&written);

@@ -23,7 +23,7 @@ pub(in crate::experiment) struct Written<'a> {
     /// The detected columns.
     pub(in crate::experiment) guess: &'a Guess,
     /// Observations on the recordings, one sentence each.
-    pub(in crate::experiment) said: &'a [String],
+    pub(in crate::experiment) remarks: &'a [String],
     /// All columns of the first recording.
     pub(in crate::experiment) columns: &'a [PreviewColumn],
 }
@@ -101,7 +101,7 @@ impl Guess {
     fn assumed(&self) -> Option<String> {
         let assumed = |c: &Guessed| {
             let is_open = c.unit_open || c.scale_open || c.is_share;
-            // of a time only its rate may have said it
+            // the name of a time may state its rate only
             let is_known = c.unit.is_some() && c.key != "t";
             let is_given = is_known || c.scale.is_some() || c.nanoseconds.is_some();
             let unit = assumed_unit(c.key, &c.name, self.drive_unit)?;
@@ -141,7 +141,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         "   # add one: errors are then computed on it"
     };
     let mut out = String::from("# Observations:\n");
-    for line in w.said {
+    for line in w.remarks {
         let _ = writeln!(out, "#   {line}");
     }
     for one in &w.guess.columns {

@@ -126,18 +126,21 @@ fn differing(a: &Candidate, b: &Candidate) -> Option<[String; 2]> {
 #[cfg(test)]
 mod tests {
     use super::super::guess;
+    use crate::experiment::guess::Guess;
     use crate::io::PreviewColumn;
+
+    /// The guess from columns of these names, whose values are the same wave.
+    fn of(names: &[&str]) -> Guess {
+        let column = |name: &&str| PreviewColumn {
+            name: (*name).into(),
+            values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
+            ..PreviewColumn::default()
+        };
+        guess(&names.iter().map(column).collect::<Vec<_>>())
+    }
 
     #[test]
     fn letters_of_a_language_are_sides_beside_each_other() {
-        let of = |names: &[&str]| {
-            let column = |name: &&str| PreviewColumn {
-                name: (*name).into(),
-                values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
-                ..PreviewColumn::default()
-            };
-            guess(&names.iter().map(column).collect::<Vec<_>>())
-        };
         for names in [
             ["prędkość L [obr/min]", "prędkość P [obr/min]", "prąd L", "prąd P"],
             ["w_L [rad/s]", "w_P [rad/s]", "i_L", "i_P"],
@@ -159,14 +162,6 @@ mod tests {
 
     #[test]
     fn a_word_in_which_speeds_and_inputs_differ_is_that_of_the_side() {
-        let of = |names: &[&str]| {
-            let column = |name: &&str| PreviewColumn {
-                name: (*name).into(),
-                values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
-                ..PreviewColumn::default()
-            };
-            guess(&names.iter().map(column).collect::<Vec<_>>())
-        };
         let g = of(&["rpm_vasak", "rpm_parem", "amps_vasak", "amps_parem"]);
         assert_eq!(g.columns[0].name, "rpm_parem");
         assert!(g.asked().contains("is the right wheel that of `rpm_parem`"));

@@ -53,7 +53,7 @@ impl Kind {
 /// from the last, so that no kind of movement is used for validation without training.
 pub(super) fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
     let mut validation = vec![false; kinds.len()];
-    let mut said = Vec::new();
+    let mut remarks = Vec::new();
     let many = kinds.len() > 1;
     for kind in [Some(Kind::Straight), Some(Kind::Turning), Some(Kind::Mixed), None] {
         let of: Vec<usize> = (0..kinds.len()).filter(|&k| kinds[k] == kind).collect();
@@ -61,19 +61,19 @@ pub(super) fn split(kinds: &[Option<Kind>]) -> (Vec<bool>, Vec<String>) {
             of.iter().rev().step_by(3).for_each(|&k| validation[k] = true);
         } else if let ([_], Some(kind), true) = (&of[..], kind, many) {
             let words = kind.words();
-            said.push(format!(
+            remarks.push(format!(
                 "only one recording is {words}: it is used for training, so this kind of movement is not \
                  validated"
             ));
         }
     }
     if many && !validation.contains(&true) {
-        said.push(
+        remarks.push(
             "no kind of movement was recorded twice, so that no recording is left for validation"
                 .into(),
         );
     }
-    (validation, said)
+    (validation, remarks)
 }
 
 #[cfg(test)]

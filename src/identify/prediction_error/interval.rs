@@ -38,6 +38,10 @@ pub(super) struct Spread {
 pub(super) fn spread(solution: &Solution, filter: &HorizonFilter, model: &Model) -> Spread {
     let mut out = of_scores(solution);
     if filter.hold == Hold::Constant {
+        // without an error of the time the pass would repeat that of the solution
+        if filter.prepared.iter().all(|p| p.recording.input_time_error() == 0.0) {
+            return out;
+        }
         if let Some(moved) = solution.moved_by(filter, model, Reading::Later) {
             out.covariance += &moved * moved.transpose();
         }

@@ -24,7 +24,7 @@ pub(super) fn findings(r: &Recording, windows: &[Window], robot: &Robot) -> Vec<
         let wrong = found.iter().any(|f| f.severity == Severity::Problem);
         out.extend(found);
         if wrong {
-            return out; // with wrong speeds nothing can be said of the input
+            return out; // wrong speeds do not determine whether the input is right
         }
     }
     if exchanged_input(windows) {

@@ -281,7 +281,7 @@ fn fitted_by(study: &Study) -> String {
 }
 
 fn remarks(study: &Study) -> Vec<Text> {
-    // a note that several methods have is said once
+    // a note that several methods have is printed once
     let mut remarks: Vec<(String, Vec<String>)> = Vec::new();
     for method in &study.methods {
         let failure = method.failure.iter().map(|reason| format!(" failed: {reason}"));

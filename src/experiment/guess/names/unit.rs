@@ -1,6 +1,6 @@
 //! Units in names: in brackets, as suffix, as prefix.
 
-use super::said::Quantity;
+use super::interpreted::Quantity;
 use super::words::{LENGTHS, WEAK, is_quantity, take_quantity};
 
 /// Removes the unit from the end of the words. A single letter is kept if another word denotes a quantity
@@ -22,8 +22,8 @@ pub(super) fn unit_behind(words: &mut Vec<String>) -> Option<(&'static str, Opti
         before.last().is_some_and(|last| last.len() == 1) && before.len() == words.len() + 1;
     if letter
         && let Some(of) = found.1
-        && let Some((said, word)) = take_quantity(&mut words.clone())
-        && said != of
+        && let Some((stated, word)) = take_quantity(&mut words.clone())
+        && stated != of
         && !WEAK.contains(&word.as_str())
     {
         *words = before;
@@ -74,9 +74,9 @@ fn of_its_quantity(
     found: (&'static str, Option<Quantity>),
     words: &[String],
 ) -> (&'static str, Option<Quantity>) {
-    let said = take_quantity(&mut words.to_vec()).map(|(said, _)| said);
+    let stated = take_quantity(&mut words.to_vec()).map(|(stated, _)| stated);
     match found.0 {
-        "ms" if said == Some(Quantity::Speed) => ("m/s", said),
+        "ms" if stated == Some(Quantity::Speed) => ("m/s", stated),
         _ => found,
     }
 }

@@ -1,6 +1,6 @@
 //! Words of column names: quantities, set-points, words that exclude a wheel, units.
 
-use super::said::Quantity;
+use super::interpreted::Quantity;
 
 /// Words of a speed that leave its unit open; `omega` and the like are angular speeds in SI.
 const OPEN_SPEEDS: [&str; 26] = [

@@ -2,12 +2,17 @@
 
 use super::unit::UnitError;
 use super::{Issue, StatedIssue, is_full_turn};
-use crate::math::{Span, Spans};
+use crate::math::{Span, Statement, joined};
 use crate::recording::Gaps;
 
-impl<C: Copy, R: Copy> Issue<C, R> {
-    /// The same with other numbers.
-    fn map<D, S>(self, mut whole: impl FnMut(C) -> D, mut real: impl FnMut(R) -> S) -> Issue<D, S> {
+impl<C: Copy, R: Copy> Statement<C, R> for Issue<C, R> {
+    type With<D: Copy, S: Copy> = Issue<D, S>;
+
+    fn map<D: Copy, S: Copy>(
+        self,
+        mut whole: impl FnMut(C) -> D,
+        mut real: impl FnMut(R) -> S,
+    ) -> Issue<D, S> {
         match self {
             Self::Windows { rows, windows, length_s, share } => Issue::Windows {
                 rows: whole(rows),
@@ -87,7 +92,7 @@ impl StatedIssue {
         let rest = |issue: Self| (issue.map(|_| (), |_| ()), issue.meaning());
         let is_like = rest(*self) == rest(*other);
         if is_like {
-            *self = self.joined(*other);
+            *self = joined(*self, *other);
         }
         is_like
     }
@@ -102,16 +107,6 @@ impl StatedIssue {
             }
             _ => Meaning::Size,
         }
-    }
-}
-
-impl Spans for StatedIssue {
-    fn with(
-        self,
-        whole: &mut dyn FnMut(Span<usize>) -> Span<usize>,
-        real: &mut dyn FnMut(Span<f64>) -> Span<f64>,
-    ) -> Self {
-        self.map(whole, real)
     }
 }
 
