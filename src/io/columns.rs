@@ -324,7 +324,7 @@ fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 24] = [
+const SPELLINGS: [(&str, &[&str]); 25] = [
     ("s", &["sec", "secs", "second", "seconds", "с"]),
     ("ms", &["мс"]),
     ("rad", &["рад"]),
@@ -349,6 +349,7 @@ const SPELLINGS: [(&str, &[&str]); 24] = [
     ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
     ("A", &["amp", "amps", "ampere", "amperes", "а"]),
     ("V", &["volt", "volts", "в"]),
+    ("mA", &["ма"]),
 ];
 
 fn synonym(unit: &str) -> &str {

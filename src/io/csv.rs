@@ -157,9 +157,34 @@ pub(super) fn not_understood(path: &Path) -> IoError {
     IoError::NotUnderstood { file: shown(path), line }
 }
 
-/// Whether at least half of the cells without a number are units; other texts may be unknown units.
+/// What stands in a line of units for a column without one; a format of time is none of its numbers.
+const NO_UNIT: [&str; 14] =
+    ["", "-", "--", "–", "—", "1", "na", "n/a", "n.a.", "none", "null", "nan", "bool", "enum"];
+/// Units of quantities that a recording does not need.
+const OTHER_UNITS: [&str; 12] =
+    ["%", "°c", "degc", "k", "hz", "w", "j", "g", "m/s2", "m/s^2", "m/s²", "bar"];
+
+/// Whether a cell in a line of units is that of a column without one.
+fn is_no_unit(cell: &str) -> bool {
+    let cell = bare(cell).to_lowercase();
+    NO_UNIT.contains(&cell.as_str()) || cell.contains("hh:mm") || cell.contains("mm:ss")
+}
+
+/// Whether cells are a line of units: each is a unit or says that there is none, and more than one in two of those that hold
+/// a number, as `1` may, is a unit; or, without numbers, more than half are units, and others may be unknown ones.
 pub(super) fn is_units(cells: &[String]) -> bool {
-    2 * cells.iter().filter(|c| is_unit(bare(c))).count() > cells.len()
+    let units = cells.iter().filter(|c| is_unit(bare(c))).count();
+    let is_known = |c: &String| {
+        is_unit(bare(c)) || is_no_unit(c) || OTHER_UNITS.contains(&bare(c).to_lowercase().as_str())
+    };
+    let numbers = cells.iter().filter(|c| is_finite(bare(c))).count();
+    let are_known = cells.iter().all(is_known) && units > numbers;
+    are_known || numbers == 0 && 2 * units > cells.len()
+}
+
+/// Whether a cell holds a number.
+fn is_finite(cell: &str) -> bool {
+    value(cell, Style::Either).is_some_and(f64::is_finite)
 }
 
 /// A unit without brackets and without a word before it, as in `Units: deg/s`.
@@ -174,29 +199,23 @@ fn bare(cell: &str) -> &str {
 /// The units of `columns` columns below a header, and the number of lines without numbers above the first
 /// row.
 fn units_below(below: &[Vec<u8>], separator: char, columns: usize) -> Option<(usize, Vec<String>)> {
-    let holds_number = |line: &Vec<u8>| {
+    let cells = |line: &Vec<u8>| {
         let text = String::from_utf8_lossy(line);
-        let cells = split(text.trim_end_matches(['\r', '\n']), separator);
-        cells.iter().any(|c| !c.is_empty() && value(c, Style::of(separator)).is_some())
+        split(text.trim_end_matches(['\r', '\n']), separator)
+    };
+    let holds_number = |line: &Vec<u8>| {
+        let cells = cells(line);
+        !is_units(&cells) && cells.iter().any(|c| is_finite(c))
     };
     let lines = below.iter().take_while(|line| !holds_number(line)).count().min(BELOW);
-    let units = |line: &Vec<u8>| units_of(line, separator).filter(|units| units.len() == columns);
-    Some((lines, below[..lines].iter().find_map(units)?))
-}
-
-/// The units of a line that contains units and no numbers: `s,rpm,,mNm`.
-fn units_of(line: &[u8], separator: char) -> Option<Vec<String>> {
-    let text = str::from_utf8(line).ok()?.trim_end_matches(['\r', '\n']);
-    let cells = split(text, separator).into_iter();
-    let cells: Vec<String> = cells.map(|cell| bare(&cell).to_string()).collect();
-    let data = cells.iter().any(|c| !c.is_empty() && value(c, Style::of(separator)).is_some());
-    (!data && is_units(&cells)).then_some(cells)
+    let units = below[..lines].iter().map(cells);
+    Some((lines, units.into_iter().find(|units| units.len() == columns && is_units(units))?))
 }
 
 /// A name with its unit appended, if there is a unit and the name has none.
 pub(super) fn with_unit(name: &str, unit: &str) -> String {
     let unit = bare(unit);
-    if unit.is_empty() || name.ends_with([']', ')']) {
+    if is_no_unit(unit) || name.ends_with([']', ')']) {
         name.into()
     } else {
         format!("{name} [{unit}]")

@@ -226,6 +226,21 @@ fn text(content: &str, map: &ColumnMap) -> Result<Recording, IoError> {
 }
 
 #[test]
+fn a_column_without_unit_leaves_those_of_the_others() {
+    for none in ["-", "none", "n/a", "1", "[-]", "hh:mm:ss", "", "degC", "°C"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        let rows: String = (0..40).map(|k| format!("{k},1.5,-2,16.2,-15,{}\n", k % 3)).collect();
+        let text = format!("Time,rpm L,rpm R,Tq L,Tq R,State\ns,rpm,rpm,mNm,mNm,{none}\n{rows}");
+        write_whole(&path, text.as_bytes()).unwrap();
+        let found = preview(&path).unwrap();
+        let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+        let expected = ["Time [s]", "rpm L [rpm]", "rpm R [rpm]", "Tq L [mNm]", "Tq R [mNm]"];
+        assert_eq!((&names[..5], found[0].values.len()), (&expected[..], 40), "{none}");
+    }
+}
+
+#[test]
 fn a_line_of_units_below_the_names_counts() {
     let mut log = String::from("# logger 3\nt,dalpha1,dalpha2,M1,M2\nms,rpm,rpm,Nm,mNm\n");
     for k in 0..30 {

@@ -34,6 +34,7 @@ use self::stamp::CLOCK;
 use super::IoError;
 use super::csv::{Evidence, Style, may_be_keyed, quantity, unfolded, value};
 use super::error::shown;
+use super::format::Format;
 
 /// Number of bytes within which the table, with everything above it, must begin.
 const HEAD: u64 = 1 << 16;
@@ -143,6 +144,18 @@ pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
     let (text, _) = decoded(&bytes);
     let lines: Vec<&str> = text.lines().collect();
     Ok(record::is_one(&lines).then(|| keyed::columns(text.lines())))
+}
+
+/// The encoding of a text that is not UTF-8, by the beginning of the file. `None` for UTF-8, and for a file that cannot
+/// be read or is no text.
+#[must_use]
+pub fn foreign_encoding(path: &Path) -> Option<&'static str> {
+    if !matches!(Format::of(path), Ok(Format::Csv)) {
+        return None;
+    }
+    let mut head = Vec::new();
+    File::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
+    decode::foreign(&head)
 }
 
 /// Whether the names of a file are generated, because it has no header.

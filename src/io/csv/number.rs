@@ -59,7 +59,8 @@ pub(in crate::io) fn duration(text: &str) -> Option<f64> {
 const DAY: f64 = 86400.0;
 
 /// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `3/3/2026 1:00:00 PM`,
-/// `12:00:00.25`. Time zones shift all rows alike and do not matter.
+/// `12:00:00.25`. With an offset from UTC it is the time in UTC, since the offset of a log changes when summer time begins
+/// or ends; a zone without an offset shifts all rows alike.
 fn date_time(text: &str) -> Option<f64> {
     let text = text.trim_matches(['[', ']']).trim();
     let is_half = |word: &str| text.strip_suffix(word).map(str::trim_end);
@@ -99,8 +100,10 @@ fn date_time(text: &str) -> Option<f64> {
 /// of two parts has a fraction, or the last of three the three digits of milliseconds. `half` is what the half
 /// of the day adds, where one is written.
 fn clock(time: &str, half: Option<f64>) -> Option<f64> {
-    let time = time.trim_end_matches('z').split('+').next().unwrap_or_default();
-    let time = if time.matches('-').count() == 1 { time.split('-').next()? } else { time };
+    let (time, east) = match time.rfind(['+', '-']).map(|at| time.split_at(at)) {
+        Some((time, offset)) if time.contains(':') => (time.trim_end(), offset_of(offset)),
+        _ => (time.trim_end_matches('z'), 0.0),
+    };
     let part = |text: &str| text.replacen(',', ".", 1).parse::<f64>().ok();
     let of_milliseconds = |text: &str| text.len() == 3 && text.parse::<u16>().is_ok();
     let parts: Vec<&str> = time.split(':').collect();
@@ -118,7 +121,24 @@ fn clock(time: &str, half: Option<f64>) -> Option<f64> {
         _ => return None,
     };
     let hours = half.map_or(hours, |half| hours % 12.0 + half / 3600.0);
-    Some(3600.0 * hours + 60.0 * minutes + seconds)
+    Some(3600.0 * hours + 60.0 * minutes + seconds - east)
+}
+
+/// Seconds by which a local time is ahead of UTC: `+01:00`, `-0530`, `+02`, also with the name of the zone behind it
+/// (`+01:00[europe/berlin]`); zero for other text.
+fn offset_of(text: &str) -> f64 {
+    let digits: Vec<f64> = text
+        .bytes()
+        .skip(1)
+        .filter(|b| *b != b':')
+        .map_while(|b| b.is_ascii_digit().then(|| f64::from(b - b'0')))
+        .collect();
+    let size = match digits[..] {
+        [a, b] => 3600.0 * (10.0 * a + b),
+        [a, b, c, d] => 3600.0 * (10.0 * a + b) + 60.0 * (10.0 * c + d),
+        _ => 0.0,
+    };
+    if text.starts_with('-') { -size } else { size }
 }
 
 /// Days of a date since 1970; the year stands first, as ISO 8601 has it, or last. The month stands before the day
@@ -213,7 +233,10 @@ mod tests {
             "20260303T12:00:00.250",
             "2026-03-03 12:00:00.25",
             "03.03.2026 12:00:00,250",
-            "2026-03-03T12:00:00.25+01:00",
+            "2026-03-03T13:00:00.25+01:00",
+            "2026-03-03 06:30:00.25 -0530",
+            "2026-03-03T14:00:00.25+02",
+            "2026-03-03T13:00:00.25+01:00[Europe/Berlin]",
             "2026/03/03/12:00:00.25",
             "3/3/2026 12:00:00.250 PM",
             "2026-03-03 12:00:00:250",
@@ -236,6 +259,17 @@ mod tests {
         ] {
             assert_eq!(value(text, Style::Either), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_log_goes_on_where_summer_time_begins_or_ends() {
+        let second = |text: &str| value(text, Style::Point).unwrap();
+        let begins =
+            second("2024-03-31 03:00:00.000000+02:00") - second("2024-03-31 01:59:59.980000+01:00");
+        let ends =
+            second("2024-10-27T02:00:00.000+01:00") - second("2024-10-27T02:59:59.980+02:00");
+        // to the resolution of a double of 1.7e9 s
+        assert!((begins - 0.02).abs() < 1e-6 && (ends - 0.02).abs() < 1e-6, "{begins} {ends}");
     }
 
     #[test]

@@ -42,8 +42,17 @@ pub(super) fn names(
     let top = (0..first).find(|k| !is_blank(lines[*k]) && !lines[*k].starts_with('#'));
     if let Some(k) = top {
         let cells = named_cells(lines[k], separator);
-        if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) {
-            return (Some(k), cells);
+        let below = || {
+            let lines = lines[k + 1..first].iter().filter(|line| !is_blank(line));
+            lines.map(|line| named_cells(line, separator)).filter(|cells| cells.len() == count)
+        };
+        // names that come again are those of groups above the names
+        let is_group = is_repeated(&cells) && below().any(|c| no_number(&c) && !is_units(&c));
+        if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) && !is_group {
+            let units = below().find(|cells| is_units(cells)).unwrap_or_default();
+            let units = units.iter().map(String::as_str).chain(std::iter::repeat(""));
+            let names = cells.iter().zip(units).map(|(name, unit)| with_unit(name, unit));
+            return (Some(k), names.collect());
         }
     }
     if let Some((k, names)) = described(&lines[..first], count) {
@@ -92,8 +101,10 @@ impl Above<'_> {
             let ways: &[char] = if is_remark { &SEPARATORS } else { &[self.separator] };
             let all = || ways.iter().map(|s| cells_of(line, *s));
             if units.is_none()
-                && let Some(cells) =
-                    all().find(|c| no_number(c) && (is_units(c) || passes_over && are_units(c)))
+                && let Some(cells) = all().find(|c| {
+                    c.len() == self.count
+                        && (is_units(c) || passes_over && no_number(c) && are_units(c))
+                })
             {
                 units = Some(cells);
                 continue;
@@ -217,9 +228,15 @@ fn groups(above: &[&str], separator: char, count: usize) -> Option<Vec<String>> 
     Some(found)
 }
 
+/// A name before the bracket of its unit.
+fn bare_of_unit(name: &str) -> &str {
+    name.split(['[', '(']).next().unwrap_or(name).trim_end()
+}
+
 fn grouped(names: &[String], groups: &[String]) -> Vec<String> {
     let one = |(name, group): (&String, &String)| {
-        if group.is_empty() { name.clone() } else { format!("{group} {name}") }
+        let is_said = group.is_empty() || bare_of_unit(name) == group;
+        if is_said { name.clone() } else { format!("{group} {name}") }
     };
     names.iter().zip(groups).map(one).collect()
 }

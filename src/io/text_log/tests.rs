@@ -54,6 +54,30 @@ fn names_are_found_below_a_preamble_behind_units_and_in_comments() {
 }
 
 #[test]
+fn two_lines_of_names_are_put_together_and_units_below_them_are_kept() {
+    let expected = [
+        "Time [s]",
+        "Left Speed [deg/s]",
+        "Left Torque [Ncm]",
+        "Right Speed [deg/s]",
+        "Right Torque [Ncm]",
+    ];
+    for below in [
+        "[s],Speed [deg/s],Torque [Ncm],Speed [deg/s],Torque [Ncm]\n",
+        "Time,Speed,Torque,Speed,Torque\ns,deg/s,Ncm,deg/s,Ncm\n",
+    ] {
+        let rows: String = (0..12).map(|k| format!("{k},1.5,2.5,-1,-2\n")).collect();
+        let found = read_bytes(format!("Time,Left,Left,Right,Right\n{below}{rows}").as_bytes());
+        let found = found.unwrap();
+        assert_eq!((names(&found), found[2].1.len()), (expected.to_vec(), 12));
+    }
+    // in another encoding, with a column without unit
+    let (bytes, ..) = encoding_rs::GBK.encode("时间,左轮转速,右轮转速\nms,rpm,-\n");
+    let found = read_bytes(&[&bytes, rows(",", "\n").as_bytes()].concat()).unwrap();
+    assert_eq!(names(&found), ["时间 [ms]", "左轮转速 [rpm]", "右轮转速"]);
+}
+
+#[test]
 fn another_encoding_and_cells_without_a_number_are_read() {
     let text = format!("t\tω\tb\n0\tnull\t-\n{}", rows("\t", "\n"));
     let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
