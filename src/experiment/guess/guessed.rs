@@ -26,6 +26,8 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) scale_open: bool,
     /// Whether it is a command that is a share of the battery's voltage.
     pub(in crate::experiment) is_share: bool,
+    /// Whether it is a number of counts per row, of which the time is not known yet.
+    pub(in crate::experiment) per_row: bool,
     /// Whether the values are increments that must be summed.
     pub(in crate::experiment) sum: bool,
     /// Added after the factor.

@@ -9,6 +9,7 @@ mod counts;
 mod directions;
 mod electrical;
 mod guessed;
+mod increments;
 mod labels;
 mod mirrored;
 mod model_key;
@@ -57,9 +58,14 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
     numbers::apply(&mut all);
+    increments::by_name(&mut all);
     unknown_sides::apply(&mut all);
+    unknown_sides::by_units(&mut all);
     let mut pairs = Pairs::new(&all);
     let mut wheels = Wheels::of_pairs(&mut pairs, columns);
+    let mut inputs = wheels.inputs.iter().map(|(pair, _)| pair);
+    let moved = inputs.find(|pair| !pair.iter().any(|c| values::never_changes(columns, c)));
+    increments::by_values(columns, moved, &mut wheels.angles, &mut wheels.speeds);
     // one axis alone: a column that stands beside pairs is something else, as the current of both motors
     if !wheels.are_certain() && !pairs.are_several && owners.is_none() {
         let axis = Wheels::of_one_axis(&all);
@@ -94,6 +100,7 @@ fn complete(all: &[Candidate], columns: &[PreviewColumn], out: &mut Guess) {
     let batteries = all.iter().filter(|c| c.named.battery).map(|c| (c.column, c.named.unit));
     let battery = commands::battery(&batteries.collect::<Vec<_>>());
     values::units(columns, out);
+    increments::per_second(columns, out);
     counts::per_turn(columns, out);
     speed_units::open(columns, out);
     let input = open_inputs::question(columns, out);

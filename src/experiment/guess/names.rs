@@ -69,7 +69,20 @@ pub(in crate::experiment::guess) fn named_with(
         "volts" | "volt" => Some("V"),
         _ => None,
     });
-    Named { quantity, word, side, unit, scale, wished, battery, step, foreign, rest: words }
+    let per_row = false;
+    Named {
+        quantity,
+        word,
+        side,
+        unit,
+        scale,
+        per_row,
+        wished,
+        battery,
+        step,
+        foreign,
+        rest: words,
+    }
 }
 
 /// The quantity that words and unit denote, with its word.

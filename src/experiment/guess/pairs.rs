@@ -226,11 +226,24 @@ pub(super) fn one(
         let n = &c.named;
         (n.wished, moves && !is_of_wheel(c), !has_word(c, &MOTORS), n.rest.len())
     };
+    // that of one side stands beside the other
+    let is_sided = |c: &Candidate| {
+        c.named.quantity == Some(quantity) && c.named.side.is_some() && !c.named.wished
+    };
+    if all.iter().any(is_sided) {
+        return None;
+    }
     let mut found: Vec<&Candidate> = all.iter().filter(fits).collect();
     found.sort_by_key(|c| rank(c));
+    // of two in one unit either may be that of a wheel, whatever other words they have
+    let kind =
+        |c: &Candidate| (rank(c).0, rank(c).1, rank(c).2, c.named.unit, c.named.word.clone());
+    let are_two = |a: &Candidate, b: &Candidate| {
+        rank(a) == rank(b) || a.named.unit.is_some() && kind(a) == kind(b)
+    };
     match found[..] {
         [] => None,
-        [first, second, ..] if rank(first) == rank(second) => None,
+        [first, ref others @ ..] if others.iter().any(|other| are_two(first, other)) => None,
         [first, ..] => Some(keys.map(|key| of(first, key))),
     }
 }
@@ -238,5 +251,6 @@ pub(super) fn one(
 /// A column as this quantity of the program, with the unit and the factor of its name.
 fn of(c: &Candidate, key: &'static str) -> Guessed {
     let unit = c.named.unit.filter(|u| fits(key, u)).map(Into::into);
-    Guessed { key, name: c.column.name.clone(), unit, scale: c.named.scale, ..Guessed::default() }
+    let (scale, per_row) = (c.named.scale, c.named.per_row);
+    Guessed { key, name: c.column.name.clone(), unit, scale, per_row, ..Guessed::default() }
 }

@@ -2,7 +2,7 @@
 //! differ in the same word.
 
 use super::guessed::Candidate;
-use super::names::{MEASURED, Quantity, Side, WISHED, named_with};
+use super::names::{MEASURED, Named, Quantity, Side, WISHED, named_with};
 use crate::io::words;
 
 /// Words in which names of one wheel differ as well: places, axes, and how a value was treated.
@@ -89,6 +89,40 @@ pub(super) fn apply(all: &mut [Candidate]) {
     }
 }
 
+/// Uses two motions in one unit and two inputs in one unit as those of the wheels, in their order, where no name has a known
+/// side and no other is of either: names in a language that is not known. Which is the right one is asked.
+pub(super) fn by_units(all: &mut [Candidate]) {
+    let places = |motion: bool| -> Vec<usize> {
+        (0..all.len()).filter(|k| is_of(&all[*k], motion) && !all[*k].named.foreign).collect()
+    };
+    let (motions, inputs) = (places(true), places(false));
+    let is_unknown = |word: &String| {
+        let word = word.as_str();
+        !OTHERS.contains(&word) && !WISHED.contains(&word) && !MEASURED.contains(&word)
+    };
+    let are_two = |places: &[usize]| match places {
+        [a, b] => {
+            let (a, b) = (&all[*a].named, &all[*b].named);
+            let is_free =
+                |n: &Named| n.side.is_none() && !n.wished && n.rest.iter().all(is_unknown);
+            a.unit.is_some()
+                && (a.unit, a.quantity, a.scale) == (b.unit, b.quantity, b.scale)
+                && is_free(a)
+                && is_free(b)
+        }
+        _ => false,
+    };
+    if !are_two(&motions) || !are_two(&inputs) {
+        return;
+    }
+    for pair in [motions, inputs] {
+        for (number, k) in pair.into_iter().enumerate() {
+            all[k].named.side = Some(Side::Numbered(number + 1));
+            all[k].named.rest.clear();
+        }
+    }
+}
+
 /// Whether a column is one of a motion, or one of an input.
 fn is_of(c: &Candidate, motion: bool) -> bool {
     match c.named.quantity {
@@ -158,6 +192,38 @@ mod tests {
         // the terms of a controller are no sides
         let g = of(&["rpm", "amps", "pid_p", "pid_i", "pid_d"]);
         assert!(g.columns.iter().all(|c| !c.name.starts_with("pid")), "{:?}", g.columns);
+    }
+
+    #[test]
+    fn two_columns_of_one_unit_are_never_one_axis() {
+        let of = |names: &[&str]| {
+            let column = |name: &&str| PreviewColumn {
+                name: (*name).into(),
+                values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
+                ..PreviewColumn::default()
+            };
+            guess(&names.iter().map(column).collect::<Vec<_>>())
+        };
+        // no side is known: in their order, with the question
+        for names in [
+            ["Xa(rpm)", "Ya(rpm)", "Xb(mA)", "Yb(mA)"],
+            ["ВуТЦ(rpm)", "УТВЦЧ(rpm)", "ЄЛЩ(mA)", "ЛВЩЦ(mA)"],
+        ] {
+            let g = of(&names);
+            let name = |key: &str| g.columns.iter().find(|c| c.key == key).map(|c| &*c.name);
+            let found = [name("dalpha1"), name("dalpha2"), name("M1"), name("M2")];
+            assert_eq!(found, names.map(Some), "{}", g.asked());
+            assert!(
+                !g.one_axis && g.asked().contains("is the right wheel that of"),
+                "{}",
+                g.asked()
+            );
+        }
+        // more than two: which are the wheels is asked
+        let g = of(&["Xa(rpm)", "Yab(rpm)", "Zabc zz(rpm)", "Xb(mA)", "Yb zz(mA)"]);
+        assert!(!g.one_axis && !g.columns.iter().any(|c| c.key != "t"), "{:?}", g.columns);
+        // one of each is one axis
+        assert!(of(&["Xa(rpm)", "Xb(mA)"]).one_axis);
     }
 
     #[test]

@@ -17,6 +17,8 @@ const STATED: f64 = 0.1;
 const SHORTEST: f64 = 4.0;
 /// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
 const CALENDAR: f64 = 1e9;
+/// Values of a counter of 32 bits.
+const COUNTER: f64 = 4_294_967_296.0;
 /// Larger than the current of any motor of a small robot \[A\].
 const AMPERES: f64 = 200.0;
 
@@ -245,18 +247,27 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     } else {
         (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
     };
-    // rows in disorder have no rate
-    if last <= first && !one.scale.is_some_and(|scale| scale < 0.0) {
+    // rows in disorder have no rate; a counter may wrap
+    let is_back = one.scale.is_some_and(|scale| scale < 0.0);
+    if last <= first && !is_back && !increases(values) {
         return;
     }
+    let passed = match values.windows(2).any(|w| w[1] < w[0]) && !one.sum && !is_back {
+        true => values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).sum(),
+        false => last - first,
+    };
+    // counters of 32 bits are beyond the seconds of a calendar, which advance more slowly
+    let is_counter = whole(values) && largest(values) < COUNTER && step * STATED > 1.0;
     let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
     let rate = |factor: f64| 1.0 / (step * factor);
     let sound = |factor: f64| {
         let calendar = first * factor > 0.3 * CALENDAR && first * factor < 4.0 * CALENDAR;
-        rate(factor) >= RATES.0 && rate(factor) <= RATES.1 && (first < CALENDAR || calendar)
+        rate(factor) >= RATES.0
+            && rate(factor) <= RATES.1
+            && (first < CALENDAR || calendar || is_counter)
     };
     if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
-        let (steps, seconds) = (DAY * step, (last - first) * DAY);
+        let (steps, seconds) = (DAY * step, (passed) * DAY);
         one.unit = Some("d".into());
         one.evidence.push(format!(
             "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
@@ -267,7 +278,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     // fractions at a slow rate are not milliseconds if those would give an implausible log
     let is_slow = !whole(values)
         && (SLOWEST..RATES.0).contains(&rate(1.0))
-        && (last - first) * 1e-3 < SHORTEST
+        && (passed) * 1e-3 < SHORTEST
         && first < CALENDAR;
     let is_stated = named(&one.name).unit == Some("s") && (STATED..RATES.1).contains(&rate(1.0));
     if is_slow || is_stated {
@@ -278,9 +289,9 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
         one.unit = Some(unit.into());
         one.evidence.push(format!(
             "{:.0} s at {:.3} Hz would be no log: this is {unit} ({:.1} s at {:.0} Hz)",
-            last - first,
+            passed,
             1.0 / step,
-            (last - first) * factor,
+            (passed) * factor,
             rate(factor)
         ));
     }

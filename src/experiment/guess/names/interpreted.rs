@@ -31,6 +31,8 @@ pub(in crate::experiment::guess) struct Named {
     pub(in crate::experiment::guess) unit: Option<&'static str>,
     /// Units of the value: 10 of `current_10mA`.
     pub(in crate::experiment::guess) scale: Option<f64>,
+    /// Whether it is a number per row.
+    pub(in crate::experiment::guess) per_row: bool,
     /// Whether it is a command, and not a measurement.
     pub(in crate::experiment::guess) wished: bool,
     /// Whether it is the voltage of the battery.

@@ -302,7 +302,7 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 33] = [
     (&["milliseconds", "millis", "msec", "ms", "мс"], "ms", Some(Quantity::Time)),
     (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
     (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
-    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
+    (&["milliamps", "ma", "ма"], "mA", Some(Quantity::Current)),
     (&["amperes", "ampere", "amps", "amp", "a", "а"], "A", Some(Quantity::Current)),
     (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
     (&["volts", "volt", "v", "в"], "V", Some(Quantity::Voltage)),

@@ -3,7 +3,7 @@
 use super::interpreted::Quantity;
 
 /// Words of a speed that leave its unit open; `omega` and the like are angular speeds in SI.
-const OPEN_SPEEDS: [&str; 26] = [
+const OPEN_SPEEDS: [&str; 27] = [
     "speed",
     "spd",
     "vel",
@@ -30,10 +30,21 @@ const OPEN_SPEEDS: [&str; 26] = [
     "toerental",
     "скорость",
     "速度",
+    "속도",
 ];
 /// Words of a number of turns in a time.
-pub(super) const TURNS: [&str; 8] =
-    ["drehzahl", "obroty", "otacky", "varvtal", "toerental", "rpm", "转速", "回転数"];
+pub(super) const TURNS: [&str; 10] = [
+    "drehzahl",
+    "obroty",
+    "otacky",
+    "varvtal",
+    "toerental",
+    "rpm",
+    "转速",
+    "轉速",
+    "回転数",
+    "회전수",
+];
 /// Words of a distance, in any unit.
 const PLACES: [&str; 15] = [
     "pos",
@@ -100,6 +111,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "время",
             "时间",
             "時間",
+            "시간",
             "uptime",
             "systick",
         ]],
@@ -125,7 +137,9 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
                 "winkelgeschwindigkeit",
                 "ω",
                 "转速",
+                "轉速",
                 "回転数",
+                "회전수",
             ],
             &OPEN_SPEEDS,
         ],
@@ -164,6 +178,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
                 "vinkel",
                 "угол",
                 "角度",
+                "각도",
             ],
             &PLACES,
             &SENSORS,
@@ -190,6 +205,8 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "момент",
             "扭矩",
             "转矩",
+            "轉矩",
+            "토크",
             "トルク",
         ]],
     ),
@@ -212,6 +229,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "prad",
             "stroom",
             "proud",
+            "prud",
             "akim",
             "virta",
             "intensidad",
@@ -219,6 +237,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "ток",
             "电流",
             "電流",
+            "전류",
         ]],
     ),
     (
@@ -249,6 +268,8 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "напряжение",
             "电压",
             "電圧",
+            "電壓",
+            "전압",
             "throttle",
             // of a motor and nothing else: its command
             "power",
@@ -266,7 +287,7 @@ pub(super) const WEAK: [&str; 4] = ["power", "motor", "mot", "throttle"];
 pub(super) const STEPS: [&str; 4] = ["dt", "deltat", "interval", "period"];
 
 /// Words of a name that is a command and not a measurement.
-pub(in crate::experiment::guess) const WISHED: [&str; 20] = [
+pub(in crate::experiment::guess) const WISHED: [&str; 21] = [
     "command",
     "commands",
     "commanded",
@@ -287,6 +308,7 @@ pub(in crate::experiment::guess) const WISHED: [&str; 20] = [
     "目标",
     "目標",
     "指令",
+    "목표",
 ];
 
 /// Words for measured values, which carry no other information.
