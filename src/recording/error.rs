@@ -59,7 +59,7 @@ pub enum RecordingError {
     },
     /// Time steps that are too small or too large.
     #[error(
-        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"t\", unit = \"ms\" }} }}", short(*step)
+        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"t\", unit = \"{}\" }} }}", short(*step), likely_unit(*step)
     )]
     Step {
         /// Recording.
@@ -103,6 +103,15 @@ impl RecordingError {
             | Self::Beyond { row, .. } => Some(*row),
             _ => None,
         }
+    }
+}
+
+/// The unit of time in which steps that were read in seconds are those of a log: 2 Hz or more.
+fn likely_unit(step: f64) -> &'static str {
+    match step {
+        step if step > 5e5 => "ns",
+        step if step > 500.0 => "us",
+        _ => "ms",
     }
 }
 

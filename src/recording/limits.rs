@@ -79,7 +79,9 @@ mod tests {
             |factor: f64| move |c: &mut Channels| c.t.iter_mut().for_each(|t| *t *= factor);
         assert!(made(scaled(100.0)).is_ok());
         let e = made(scaled(1e5)).unwrap_err();
-        assert!(e.contains("1000 s from row to row") && e.contains("unit = \"ms\""), "{e}");
+        assert!(e.contains("1000 s from row to row") && e.contains("unit = \"us\""), "{e}");
+        let e = made(scaled(2e4)).unwrap_err();
+        assert!(e.contains("200 s from row to row") && e.contains("unit = \"ms\""), "{e}");
         assert!(made(scaled(1e-300)).unwrap_err().contains("from row to row"));
         assert!(made(|c| c.t[1] = 1e-200).unwrap_err().contains("1e-200 s from row to row"));
     }

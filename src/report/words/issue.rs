@@ -4,11 +4,16 @@ use std::fmt;
 
 use crate::math::{Span, round_significant};
 use crate::recording::{
-    Finding, Quantity, RatioUnit, SHORT, SLOW, StatedIssue, UnitError, is_full_turn,
+    DriveUnit, Finding, Quantity, RatioUnit, SHORT, SLOW, StatedIssue, UnitError, is_full_turn,
 };
 
 /// Names of the wheels in sentences.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
+
+/// The unit behind the value of an input. A voltage may be a command in units of its own (PWM), of which none is stated.
+fn unit_after(unit: DriveUnit) -> String {
+    if unit == DriveUnit::Volt { String::new() } else { format!(" {}", unit.symbol()) }
+}
 
 impl StatedIssue {
     /// The issue.
@@ -41,18 +46,18 @@ impl StatedIssue {
                 format!("M{} is zero throughout", wheel + 1)
             }
             Self::ConstantInput { wheel, value, unit } if value.low() == value.high() => {
-                format!("M{} is {value} {} throughout", wheel + 1, unit.symbol())
+                format!("M{} is {value}{} throughout", wheel + 1, unit_after(unit))
             }
             Self::ConstantInput { wheel, value, unit } => format!(
-                "M{} is constant in each of them, at values of {value} {}",
+                "M{} is constant in each of them, at values of {value}{}",
                 wheel + 1,
-                unit.symbol()
+                unit_after(unit)
             ),
             Self::AtLimit { wheel, value, unit, share, .. } => format!(
-                "M{} is exactly {} {} at its extreme, {:.1} % of the samples",
+                "M{} is exactly {}{} at its extreme, {:.1} % of the samples",
                 wheel + 1,
                 value.map(|value| round_significant(value, 4)),
-                unit.symbol(),
+                unit_after(unit),
                 percent(share)
             ),
             Self::Spikes { channel, wheel, count, t, around: [before, first, after] } => format!(

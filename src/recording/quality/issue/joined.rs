@@ -139,9 +139,9 @@ mod tests {
     #[test]
     fn constants_of_several_recordings_are_no_range_of_one() {
         let constant = |value| Issue::ConstantInput { wheel: 0, value, unit: DriveUnit::Volt };
-        let words = "M1 is constant in each of them, at values of -7 to 7 V";
+        let words = "M1 is constant in each of them, at values of -7 to 7";
         assert_eq!(joined(constant(-7.0), constant(7.0)).unwrap(), words);
-        assert_eq!(joined(constant(7.0), constant(7.0)).unwrap(), "M1 is 7 V throughout");
+        assert_eq!(joined(constant(7.0), constant(7.0)).unwrap(), "M1 is 7 throughout");
     }
 
     #[test]
