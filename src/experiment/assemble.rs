@@ -77,6 +77,7 @@ fn check(
                 .into(),
         ));
     }
+    super::remarks::check_copies(recordings)?;
     let mut units = recordings.iter().map(|m| m.recording.drive_unit());
     let first = units.next();
     if let Some(other) = units.find(|unit| Some(*unit) != first) {
@@ -157,6 +158,11 @@ pub(super) fn assembled(
     let no_track = has_no_track(model.robot())
         .then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
     let opposed = opposed.map(|share| Remark::Opposed { share });
+    let without = super::remarks::without_effects(&model, &recordings);
+    let name_of = |k: usize| recordings[k].recording.name().to_owned();
+    let twice = super::remarks::copies(&recordings).into_iter();
+    let twice = twice.map(|(j, k)| Remark::Twice { name: name_of(k), other: name_of(j) });
+    let remarks = no_track.into_iter().chain(opposed).chain(without).chain(twice).collect();
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
         name: name.to_owned(),
@@ -168,7 +174,7 @@ pub(super) fn assembled(
         own: vec![],
         sums: vec![],
         assumed: None,
-        remarks: no_track.into_iter().chain(opposed).collect(),
+        remarks,
         model,
         recordings,
         hold: hold.unwrap_or_default(),
@@ -273,6 +279,42 @@ mod tests {
         assert!(remarks[0].contains("(slope, payload) are not tested"), "{remarks:?}");
         let known = "model.effects = [\"slope\"]\nrobot.l1_m = 0.15\nrobot.r_m = 0.08";
         assert!(keys(known).is_ok());
+    }
+
+    #[test]
+    fn a_copy_of_a_training_recording_is_no_validation() {
+        let error = refused(recordings(&["train_1"], &["train_1"]), PlanOptions::default());
+        assert!(
+            error.contains("recordings.validation: train_1.csv has the same samples"),
+            "{error}"
+        );
+        // counted twice in training
+        let plan = |names: &[&str]| {
+            let model = Model::base(Robot::amigobot());
+            Plan::new("mine", model, recordings(names, &["validation"]), PlanOptions::default())
+        };
+        let remarks = |names: &[&str]| plan(names).unwrap().remarks;
+        assert!(matches!(remarks(&["train_1", "train_1"])[..], [Remark::Twice { .. }]));
+        assert!(remarks(&["train_1"]).is_empty());
+    }
+
+    #[test]
+    fn a_voltage_without_back_emf_is_remarked() {
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::Volt);
+        let read =
+            || reading.file(Role::Train, "recordings/simulated_3d/slope/train_1.csv".as_ref());
+        let remarks = |effects: &[&str]| {
+            let model = Model::with_effects(Robot::amigobot(), effects).unwrap();
+            let plan = Plan::new("mine", model, vec![read().unwrap()], PlanOptions::default());
+            plan.unwrap().remarks
+        };
+        let words = remarks(&[]).iter().map(ToString::to_string).collect::<Vec<_>>().join("");
+        assert!(words.contains("the model has no back_emf"), "{words}");
+        assert!(words.contains("effects = [\"back_emf\"] under [model]"), "{words}");
+        // the two have one form
+        for effect in ["back_emf", "viscous_friction"] {
+            assert!(remarks(&[effect]).is_empty(), "{effect}");
+        }
     }
 
     #[test]

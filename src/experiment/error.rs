@@ -71,6 +71,16 @@ impl ExperimentError {
         }
     }
 
+    /// The same about `other` where it is about this experiment file.
+    pub(super) fn about(self, file: &str, other: &str) -> Self {
+        match self {
+            Self::Meaning { file: of, message } if of == file => {
+                Self::Meaning { file: other.into(), message }
+            }
+            error => error,
+        }
+    }
+
     /// Whether a recording lacks a column that its column names require.
     #[must_use]
     pub fn is_missing_column(&self) -> bool {

@@ -128,7 +128,9 @@ pub fn load_recordings(recordings: &[PathBuf], set: &[String]) -> Result<Plan, E
             ),
         });
     }
-    let mut plan = load_text(&file, draft.text, set)?;
+    // the file is in memory only
+    let mut plan = load_text(&file, draft.text, set)
+        .map_err(|e| e.about(&name, &first.display().to_string()))?;
     plan.typed = recordings.to_vec();
     plan.remarks.insert(0, Remark::Columns(draft.words.trim_end().to_string()));
     Ok(plan)

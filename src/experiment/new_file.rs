@@ -7,9 +7,11 @@ use std::path::{Path, PathBuf};
 use self::kind::{Kind, split};
 use super::error::ExperimentError;
 use super::guess::{About, Guess, Guessed, Written, file_text, guess};
+use super::remarks::repeated;
 use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
 use crate::io::{
-    Column, ColumnMap, IoError, parts, preview, read_channels, stated_period, write_whole,
+    Column, ColumnMap, IoError, foreign_encoding, parts, preview, read_channels, stated_period,
+    write_whole,
 };
 use crate::recording::{DriveUnit, Recording};
 use crate::study::shell_word;
@@ -68,28 +70,47 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     {
         remarks.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
     }
-    for path in &recordings {
+    let (mut read, mut copies, mut notes): (Vec<(usize, Recording)>, _, _) =
+        (vec![], vec![], vec![]);
+    for (k, path) in recordings.iter().enumerate() {
+        let name = path.to_string_lossy();
+        if let Some(encoding) = foreign_encoding(path) {
+            notes.push(in_a_line(&format!("{name}: text in {encoding}")));
+        }
         let (words, kind) = match look(path, &guess) {
             Ok((recording, findings)) => {
+                let is_same = |(_, r): &&(usize, Recording)| !repeated(&[r, &recording]).is_empty();
+                if let Some((other, _)) = read.iter().find(is_same) {
+                    let other = recordings[*other].to_string_lossy();
+                    notes.push(in_a_line(&format!(
+                        "{name}: the samples of {other} again, left out"
+                    )));
+                    copies.push(k);
+                    continue;
+                }
                 take_units(&mut guess, &findings);
                 take_magnitudes(&mut guess, &findings, path);
                 let kind = Kind::of(&recording);
-                (seen(&recording, &findings, kind), Some(kind))
+                let words = seen(&recording, &findings, kind);
+                read.push((k, recording));
+                (words, Some(kind))
             }
             Err(reason) => {
                 has_columns_of(&recordings[0], path, &guess)?;
-                let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-                let is_named = name.is_some_and(|name| reason.contains(&name));
-                let of =
-                    if is_named { String::new() } else { format!("{}: ", path.to_string_lossy()) };
+                let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
+                let is_named = file.is_some_and(|file| reason.contains(&file));
+                let of = if is_named { String::new() } else { format!("{name}: ") };
                 unread.get_or_insert(format!("{of}{reason}"));
                 (vec![UNREAD.to_owned()], None)
             }
         };
-        let name = path.to_string_lossy();
         remarks.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
         kinds.push(kind);
     }
+    remarks.extend(notes.iter().cloned());
+    let mut places = 0..recordings.len();
+    let mut recordings = recordings;
+    recordings.retain(|_| places.next().is_none_or(|k| !copies.contains(&k)));
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
     if is_still {
         guess.ask(super::remarks::NO_MOTION);
@@ -114,7 +135,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
     let is_open = text.contains("\"?\"") || unread.is_some() || is_still;
-    Ok(Draft { is_open, text, words: guess.words() })
+    let notes: String = notes.iter().map(|note| format!("  {note}\n")).collect();
+    Ok(Draft { is_open, text, words: guess.words() + &notes })
 }
 
 /// The recordings, with each test of a SysId file as a separate one.
@@ -348,6 +370,21 @@ mod tests {
         let error = draft(&paths, folder.path()).err().unwrap().to_string();
         assert!(error.contains("there is no column `t`, which "), "{error}");
         assert!(error.contains("its columns are time, a, b, c, d"), "{error}");
+    }
+
+    #[test]
+    fn a_copy_of_a_recording_is_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |t: f64| format!("{t},{},{},{},{}", t.sin(), t.sin(), t.cos(), t.cos());
+        let body: Vec<String> = (0..400).map(|k| row(0.01 * f64::from(k))).collect();
+        let text = format!("t,w_r,w_l,tau_r,tau_l\n{}\n", body.join("\n"));
+        let paths = ["a.csv", "b.csv"].map(|name| folder.path().join(name));
+        paths.iter().for_each(|path| write_whole(path, text.as_bytes()).unwrap());
+        let again = folder.path().join("./a.csv");
+        let found = draft(&[&paths[..], &[again]].concat(), folder.path()).unwrap();
+        assert!(found.text.contains("train      = [\"a.csv\"]"), "{}", found.text);
+        assert!(found.text.contains("validation = []"), "{}", found.text);
+        assert!(found.words.contains("b.csv: the samples of "), "{}", found.words);
     }
 
     #[test]

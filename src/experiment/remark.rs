@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::recording::DriveUnit;
+
 /// A remark on a file or its recordings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
@@ -23,6 +25,20 @@ pub enum Remark {
     NoTrack {
         /// Ids of the effects that depend on it.
         effects: Vec<String>,
+    },
+    /// The model lacks an effect that belongs to an input in its unit: back-EMF for a voltage.
+    WithoutEffect {
+        /// Unit of the input.
+        input: DriveUnit,
+        /// Id of the effect.
+        effect: String,
+    },
+    /// A recording whose samples are those of another one of the same use.
+    Twice {
+        /// Its name.
+        name: String,
+        /// Name of the other.
+        other: String,
     },
     /// The wheels nearly always turn in opposite directions.
     Opposed {
@@ -75,6 +91,17 @@ impl fmt::Display for Remark {
                 "[robot] preset = \"unknown\": the path of the robot is left out, and effects that depend on the distance \
                  between its wheels ({}) are not tested; write l1_m and r_m, or a preset",
                 effects.join(", ")
+            ),
+            Self::WithoutEffect { input, effect } => write!(
+                f,
+                "the input is in {} and the model has no {effect}, which belongs to it: what it causes becomes a part of \
+                 the other parameters or is found as a missing effect. Write effects = [\"{effect}\"] under [model]",
+                input.symbol()
+            ),
+            Self::Twice { name, other } => write!(
+                f,
+                "{name} has the same samples as {other}: they are counted twice, and the intervals are too narrow; \
+                 remove one"
             ),
             Self::Opposed { share } => write!(
                 f,

@@ -126,6 +126,7 @@ fn plan(
     let diagnosis = diagnosis(file, &own)?;
     check_track(&model, diagnosis.as_ref())?;
     let Source { recordings, hold, seed, truth } = read(&robot, &own)?;
+    super::remarks::check_copies(&recordings)?;
     let options = PlanOptions {
         title: title(file),
         methods,
@@ -166,6 +167,7 @@ fn assumed(file: &ExperimentFile) -> Option<String> {
     let unit = |(key, column): (&String, &ColumnEntry)| {
         let is_given = column.unit.is_some()
             || column.scale.is_some()
+            || column.per_turn.is_some()
             || column.nanoseconds.is_some()
             || column.period.is_some()
             || column.torque_constant.is_some();

@@ -113,10 +113,15 @@ fn the_examples_of_the_docs_are_accepted_as_they_stand() {
             "log.csv",
             "pwm.csv",
             "magnitudes.csv",
+            "counts_per_10ms.csv",
             "drive.csv",
             "skid.csv",
         ] {
-            folder.write(file, if columns.is_empty() { plain.clone() } else { log(&columns) });
+            let all = if columns.is_empty() { plain.clone() } else { log(&columns) };
+            // a copy of the other one would be no validation
+            let rows = all.lines().count() - if file == "run2.csv" { 50 } else { 0 };
+            folder
+                .write(file, all.lines().take(rows).map(|l| format!("{l}\n")).collect::<String>());
         }
         folder.write("e.toml", block);
         let ran = folder.run(&["check", "e.toml"]);
@@ -133,7 +138,7 @@ fn recordings_in_place_of_a_file_run_and_leave_no_file_unless_it_is_named() {
     let folder = Folder::new();
     let mut rows = motion();
     rows.iter_mut().for_each(|r| r[0] *= 1e3);
-    folder.write("a.csv", odd(&rows)).write("b.csv", odd(&rows));
+    folder.write("a.csv", odd(&rows)).write("b.csv", odd(&rows[50..]));
     folder
         .run(&["a.csv", "b.csv"])
         .says(0, &["reports/a/report.html", "dalpha1  = wR", "input in A"]);

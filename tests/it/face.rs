@@ -271,7 +271,7 @@ fn the_manual_page_has_one_title_and_every_command_with_its_options() {
 #[test]
 fn new_writes_a_file_that_check_accepts_and_that_is_never_overwritten() {
     let folder = Folder::new();
-    folder.write("a.csv", csv(&motion())).write("b.csv", csv(&motion()));
+    folder.write("a.csv", csv(&motion())).write("b.csv", csv(&motion()[50..]));
     folder.run(&["new", "a.csv", "b.csv", "-o", "my.toml"]).says(0, &["wrote my.toml"]);
     folder.run(&["check", "my.toml"]).says(0, &["a.csv: 600 samples", "b.csv", "100 Hz"]);
     let written = folder.read("my.toml");
