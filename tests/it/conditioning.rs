@@ -126,6 +126,10 @@ fn the_examples_of_the_docs_are_accepted_as_they_stand() {
         folder.write("e.toml", block);
         let ran = folder.run(&["check", "e.toml"]);
         assert_eq!(ran.code, 0, "{block}\n{}{}", ran.out, ran.err);
+        // counts per turn are a unit, and a voltage has back-EMF
+        for absent in [" alpha1 in rad", "the model has no back_emf"] {
+            assert!(!ran.out.contains(absent), "{block}\n{}", ran.out);
+        }
     }
 }
 
@@ -155,6 +159,12 @@ fn recordings_in_place_of_a_file_run_and_leave_no_file_unless_it_is_named() {
     folder.run(&["c.csv"]).says(2, &["which columns hold the torques", "experiment new c.csv"]);
     folder.run(&["new", "c.csv"]).says(0, &["to be completed"]);
     folder.run(&["check", "c.toml"]).says(2, &["columns.M1 = \"?\" is still open"]);
+    // an error names the recording, since there is no file
+    rows.iter_mut().for_each(|r| (r[1], r[2]) = (0.0, 0.0));
+    folder.write("still.csv", odd(&rows));
+    let refused = folder.run(&["still.csv"]);
+    refused.says(2, &["still.csv: ", "the wheels do not move"]);
+    assert!(!refused.err.contains("still.toml"), "{}", refused.err);
 }
 
 #[test]
