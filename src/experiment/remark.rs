@@ -35,7 +35,7 @@ pub enum Remark {
     },
     /// A recording whose samples are those of another one of the same use.
     Twice {
-        /// Its name.
+        /// Name of the recording that repeats the samples.
         name: String,
         /// Name of the other.
         other: String,

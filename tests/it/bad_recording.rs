@@ -237,7 +237,7 @@ fn values_and_steps_that_no_robot_has_are_refused_before_anything_runs() {
     strictly_refused(&changed(100, 1, 1e300), &words);
     strictly_refused(&changed(7, 3, -1e30), &["run.csv, row 7", "M1 is -1e30"]);
     let slow: Vec<Row> = motion().iter().map(|r| [1e5 * r[0], r[1], r[2], r[3], r[4]]).collect();
-    refused(csv(&slow), &["t rises by 1000 s from row to row", "unit = \"ms\""]);
+    refused(csv(&slow), &["t rises by 1000 s from row to row", "unit = \"us\""]);
     let folder = Folder::new();
     for (line, words) in [
         ("[simulation]\nnoise = { dalpha = 1e300 }", "simulation.noise"),
