@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::align::{self, Asked};
+use super::copies::{check_copies, copies};
 use super::custom::{Own, add};
 use super::error::{ExperimentError, Meaning, words};
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
@@ -77,7 +78,7 @@ fn check(
                 .into(),
         ));
     }
-    super::remarks::check_copies(recordings)?;
+    check_copies(recordings)?;
     let mut units = recordings.iter().map(|m| m.recording.drive_unit());
     let first = units.next();
     if let Some(other) = units.find(|unit| Some(*unit) != first) {
@@ -158,9 +159,10 @@ pub(super) fn assembled(
     let no_track = has_no_track(model.robot())
         .then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
     let opposed = opposed.map(|share| Remark::Opposed { share });
-    let without = super::remarks::without_effects(&model, &recordings);
+    let input = recordings.first().map(|m| m.recording.drive_unit());
+    let without = input.map_or(vec![], |input| super::remarks::without_effects(&model, input));
     let name_of = |k: usize| recordings[k].recording.name().to_owned();
-    let twice = super::remarks::copies(&recordings).into_iter();
+    let twice = copies(&recordings).into_iter();
     let twice = twice.map(|(j, k)| Remark::Twice { name: name_of(k), other: name_of(j) });
     let remarks = no_track.into_iter().chain(opposed).chain(without).chain(twice).collect();
     let model = of_one_axis(model, &recordings);

@@ -5,6 +5,7 @@ mod assemble;
 mod check;
 mod combinations;
 mod comparison;
+mod copies;
 mod custom;
 mod diagnosis;
 mod drives;

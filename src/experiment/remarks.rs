@@ -2,13 +2,10 @@
 
 use toml::{Table, Value};
 
-use super::error::{Meaning, words};
 use super::remark::{FixedMovement, Remark};
-use super::source::MeasuredRecording;
 use crate::effects;
 use crate::model::Model;
-use crate::recording::{Recording, shows_no_motion};
-use crate::study::Role;
+use crate::recording::{DriveUnit, Recording, shows_no_motion};
 
 /// Remarks on a file. `table` contains only the keys that are written in it, because defaults need no remark.
 pub(super) fn remarks(table: &Table) -> Vec<Remark> {
@@ -54,11 +51,9 @@ fn other_gain(table: &Table) -> Option<Remark> {
     (!methods.is_empty()).then_some(Remark::OtherGain { methods })
 }
 
-/// Effects that belong to an input in the unit of these recordings and that the model has neither itself nor by an
+/// Effects that belong to an input in this unit and that the model has neither itself nor by an
 /// equivalent.
-pub(super) fn without_effects(model: &Model, recordings: &[MeasuredRecording]) -> Vec<Remark> {
-    let Some(first) = recordings.first() else { return vec![] };
-    let input = first.recording.drive_unit();
+pub(super) fn without_effects(model: &Model, input: DriveUnit) -> Vec<Remark> {
     let ids: Vec<String> = model.effects().iter().map(|effect| effect.id()).collect();
     let is_absent = |id: &String| {
         let alike = effects::find(id).map_or(vec![], |effect| effect.description().equivalent);
@@ -75,32 +70,6 @@ pub(super) fn repeated(recordings: &[&Recording]) -> Vec<(usize, usize)> {
     };
     let first = |k: usize| (0..k).find(|j| is_same(recordings[*j], recordings[k]));
     (1..recordings.len()).filter_map(|k| Some((first(k)?, k))).collect()
-}
-
-/// The recordings of files that have the samples of an earlier one: the places of both. Simulated recordings
-/// without noise may be equal.
-pub(super) fn copies(recordings: &[MeasuredRecording]) -> Vec<(usize, usize)> {
-    let is_read = |place: usize| recordings[place].sha256.is_some();
-    let all: Vec<&Recording> = recordings.iter().map(|m| &m.recording).collect();
-    repeated(&all).into_iter().filter(|(j, k)| is_read(*j) && is_read(*k)).collect()
-}
-
-/// Checks that no recording of validation has the samples of one of training.
-///
-/// # Errors
-/// The first that has, with both names.
-pub(super) fn check_copies(recordings: &[MeasuredRecording]) -> Result<(), Meaning> {
-    let mut copies = copies(recordings).into_iter().map(|(j, k)| [&recordings[j], &recordings[k]]);
-    let Some(pair) = copies.find(|[a, b]| a.role != b.role) else { return Ok(()) };
-    let name = |role: Role| {
-        pair.iter().find(|m| m.role == role).map_or("", |m| m.recording.name()).to_owned()
-    };
-    Err(words(format!(
-        "recordings.validation: {} has the same samples as {} of training, so that errors on it are no validation; \
-         name another recording, or leave it out",
-        name(Role::Validation),
-        name(Role::Train)
-    )))
 }
 
 /// Share of the rows with wheels turning in opposite directions above which a mirrored motor is suspected:

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use toml::Table;
 
 use super::assemble::{assembled, candidates_are_known, check_track};
+use super::copies::check_copies;
 use super::custom::{self, Own, add};
 use super::drives::Drives;
 use super::error::{ExperimentError, Meaning, nearest, words};
@@ -126,7 +127,7 @@ fn plan(
     let diagnosis = diagnosis(file, &own)?;
     check_track(&model, diagnosis.as_ref())?;
     let Source { recordings, hold, seed, truth } = read(&robot, &own)?;
-    super::remarks::check_copies(&recordings)?;
+    check_copies(&recordings)?;
     let options = PlanOptions {
         title: title(file),
         methods,

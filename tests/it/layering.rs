@@ -156,7 +156,17 @@ const STAGES: [(&str, &[&str]); 9] = [
     ("the file", &["file", "error", "remark", "remarks", "guess", "new_file"]),
     (
         "a plan",
-        &["drives", "combinations", "custom", "robot_table", "quality", "source", "plan", "stages"],
+        &[
+            "drives",
+            "combinations",
+            "copies",
+            "custom",
+            "robot_table",
+            "quality",
+            "source",
+            "plan",
+            "stages",
+        ],
     ),
     (
         "from the file to a plan",
