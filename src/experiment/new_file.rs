@@ -1,19 +1,15 @@
 //! `experiment new`: from recordings to a commented experiment file.
 
 mod kind;
+mod look;
 
 use std::path::{Path, PathBuf};
 
 use self::kind::{Kind, split};
+use self::look::Looked;
 use super::error::ExperimentError;
-use super::guess::{About, Guess, Guessed, Written, file_text, guess};
-use super::remarks::repeated;
-use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
-use crate::io::{
-    Column, ColumnMap, IoError, foreign_encoding, parts, preview, read_channels, stated_period,
-    write_whole,
-};
-use crate::recording::{DriveUnit, Recording};
+use super::guess::{Written, file_text, guess, in_a_line};
+use crate::io::{IoError, parts, preview, stated_period, write_whole};
 use crate::study::shell_word;
 
 /// The schema file next to an experiment file, as printed by `experiment schema`.
@@ -44,9 +40,6 @@ pub fn new_file(recordings: &[PathBuf], output: Option<&Path>) -> Result<String,
     Ok(format!("wrote {file}\n{}{next}\n", draft.words))
 }
 
-/// Text for a recording that cannot be read with the columns as detected; the question gives the reason.
-const UNREAD: &str = "can be read when the questions below are answered";
-
 /// A file that has not been written yet.
 pub(super) struct Draft {
     pub(super) text: String,
@@ -64,53 +57,14 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     let recordings = with_parts(recordings)?;
     let columns = preview(&recordings[0])?;
     let mut guess = guess(&columns);
-    let (mut remarks, mut kinds, mut unread) = (vec![], vec![], None);
+    let mut remarks = vec![];
     if let Some((period, comment)) = stated_period(&recordings[0])
         && guess.take_period(period)
     {
         remarks.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
     }
-    let (mut read, mut copies, mut notes): (Vec<(usize, Recording)>, _, _) =
-        (vec![], vec![], vec![]);
-    for (k, path) in recordings.iter().enumerate() {
-        let name = path.to_string_lossy();
-        if let Some(encoding) = foreign_encoding(path) {
-            notes.push(in_a_line(&format!("{name}: text in {encoding}")));
-        }
-        let (words, kind) = match look(path, &guess) {
-            Ok((recording, findings)) => {
-                let is_same = |(_, r): &&(usize, Recording)| !repeated(&[r, &recording]).is_empty();
-                if let Some((other, _)) = read.iter().find(is_same) {
-                    let other = recordings[*other].to_string_lossy();
-                    notes.push(in_a_line(&format!(
-                        "{name}: the samples of {other} again, left out"
-                    )));
-                    copies.push(k);
-                    continue;
-                }
-                take_units(&mut guess, &findings);
-                take_magnitudes(&mut guess, &findings, path);
-                let kind = Kind::of(&recording);
-                let words = seen(&recording, &findings, kind);
-                read.push((k, recording));
-                (words, Some(kind))
-            }
-            Err(reason) => {
-                has_columns_of(&recordings[0], path, &guess)?;
-                let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-                let is_named = file.is_some_and(|file| reason.contains(&file));
-                let of = if is_named { String::new() } else { format!("{name}: ") };
-                unread.get_or_insert(format!("{of}{reason}"));
-                (vec![UNREAD.to_owned()], None)
-            }
-        };
-        remarks.extend(words.into_iter().map(|w| in_a_line(&format!("{name}: {w}"))));
-        kinds.push(kind);
-    }
-    remarks.extend(notes.iter().cloned());
-    let mut places = 0..recordings.len();
-    let mut recordings = recordings;
-    recordings.retain(|_| places.next().is_none_or(|k| !copies.contains(&k)));
+    let Looked { recordings, kinds, words, notes, unread } = Looked::at(&recordings, &mut guess)?;
+    remarks.extend(words.iter().chain(&notes).cloned());
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
     if is_still {
         guess.ask(super::remarks::NO_MOTION);
@@ -151,159 +105,6 @@ fn with_parts(recordings: &[PathBuf]) -> Result<Vec<PathBuf>, IoError> {
         }
     }
     Ok(out)
-}
-
-/// A recording read with the guessed columns, and the findings of conditioning; or the reason why it cannot
-/// be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
-fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
-    if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
-        return Err("the sampling period is not known".into());
-    }
-    let is_scaled = !guess.columns.iter().any(|c| c.needs_per_turn() || c.is_in_metres());
-    let mut columns = ColumnMap::new(guess.drive_unit, (!is_scaled).then_some(1.0));
-    if guess.period.is_some() {
-        let rows = Column { period: guess.period, ..Column::new("") };
-        columns.put("t", rows).map_err(|e| e.to_string())?;
-    }
-    for one in &guess.columns {
-        let column = Column {
-            unit: one.unit.clone(),
-            per_turn: one.per_turn.or(one.needs_per_turn().then_some(std::f64::consts::TAU)),
-            scale: one.scale.unwrap_or(1.0),
-            offset: one.offset.unwrap_or(0.0),
-            nanoseconds: one.nanoseconds.clone(),
-            sum: one.sum,
-            plus: one.plus.clone(),
-            times: one.times.clone(),
-            sign: one.sign.clone(),
-            backward: one.backward.clone(),
-            ..Column::new(&one.name)
-        };
-        columns.put(one.key, column).map_err(|e| e.to_string())?;
-    }
-    let mut raw = read_channels(path, &columns).map_err(|e| e.to_string())?;
-    let commanded = guess.drive_unit == DriveUnit::Volt;
-    let context = Context { commanded, ..Context::default() };
-    let settings = Settings { refuse: false, ..Settings::default() };
-    let channels = std::mem::take(&mut raw.channels);
-    let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
-    raw.channels = done.channels;
-    let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
-    let mut findings = done.findings;
-    // the sign of an input does not depend on the scale of the motion
-    findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));
-    Ok((recording, findings))
-}
-
-/// Enters units determined by comparing speeds and angles into the file.
-fn take_units(guess: &mut Guess, findings: &[Finding]) {
-    for finding in findings {
-        if let Finding {
-            channel: Channel::Speed(0),
-            kind: conditioning::Kind::Gear { ratio },
-            ..
-        } = *finding
-        {
-            ask_gear(guess, ratio);
-        }
-        let conditioning::Kind::Unit { unit, .. } = finding.kind else { continue };
-        let key = finding.channel.name();
-        let open = guess.columns.iter_mut().find(|c| c.key == key && c.unit.is_none());
-        // files have no unit for half a turn; conditioning converts it
-        if let Some(one) = open.filter(|_| unit != "half-turns") {
-            let answered = About::Unit(one.name.clone());
-            (one.unit, one.unit_open) = (Some(unit.into()), false);
-            one.evidence.push(Stated::of(finding).what());
-            guess.answer(&answered);
-        }
-    }
-}
-
-/// Asks for the sign of inputs that conditioning refuses as magnitudes.
-fn take_magnitudes(guess: &mut Guess, findings: &[Finding], path: &Path) {
-    let is_one = |key: &str| {
-        let of = |f: &Finding| {
-            matches!(f.kind, conditioning::Kind::Magnitude) && f.channel.name() == key
-        };
-        findings.iter().any(of)
-    };
-    let is_new = |c: &Guessed| is_one(c.key) && c.sign.is_none() && !c.sign_open;
-    let names: Vec<String> =
-        guess.columns.iter().filter(|c| is_new(c)).map(|c| format!("`{}`", c.name)).collect();
-    if names.is_empty() {
-        return;
-    }
-    let (verb, them) =
-        if names.len() == 1 { ("changes its", "it") } else { ("change their", "them") };
-    guess.ask(format!(
-        "{} never {verb} sign in {} although the wheels are driven both ways: a magnitude? Write the column with the \
-         direction as sign, or another input as M1 and M2 (the commanded voltage); or remove sign and write \
-         sign_from_speed = true under [conditioning], which gives {them} the sign of the speed (wrong while braking)",
-        names.join(" and "),
-        path.to_string_lossy()
-    ));
-    guess
-        .columns
-        .iter_mut()
-        .filter(|c| is_one(c.key) && c.sign.is_none())
-        .for_each(|c| c.sign_open = true);
-}
-
-/// Asks for the gear ratio between the shafts of speeds and angles, and opens the factor of the faster one.
-fn ask_gear(guess: &mut Guess, ratio: f64) {
-    let (key, other, scale) =
-        if ratio > 1.0 { ("dalpha", "alpha", 1.0 / ratio) } else { ("alpha", "dalpha", ratio) };
-    let of = |key: &str| guess.columns.iter().find(|c| c.key.strip_prefix(key) == Some("1"));
-    let (Some(fast), Some(slow)) = (of(key), of(other)) else { return };
-    if [fast, slow].iter().any(|c| c.unit_open || c.scale_open || c.scale.is_some()) {
-        return;
-    }
-    guess.ask(format!(
-        "the speeds are {ratio:.4} times the derivative of the angles: is there a gear between `{}` (motor) and `{}` (wheel)? If so, write scale = {scale:.6} in {key}1 and {key}2 (with \"-\" if it reverses the direction); otherwise correct the units",
-        fast.name, slow.name
-    ));
-    let wheels =
-        guess.columns.iter_mut().filter(|c| c.key.strip_prefix(key).is_some_and(|k| k.len() == 1));
-    wheels.for_each(|c| c.scale_open = true);
-}
-
-fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
-    let mut out = vec![format!(
-        "{} samples, {:.1} s at {:.0} Hz, {} gaps, {}",
-        r.len(),
-        r.duration(),
-        1.0 / r.step(),
-        r.pieces().len() - 1,
-        kind.words()
-    )];
-    let remarkable = findings.iter().copied().filter(Finding::is_remarkable);
-    let remarkable = stated(&remarkable.collect::<Vec<_>>());
-    out.extend(remarkable.iter().map(ToString::to_string));
-    out
-}
-
-/// Checks that a recording has the columns that were found in the first one.
-///
-/// # Errors
-/// The first that is missing, with the names that are there.
-fn has_columns_of(first: &Path, path: &Path, guess: &Guess) -> Result<(), ExperimentError> {
-    let names: Vec<String> = preview(path)?.into_iter().map(|column| column.name).collect();
-    let Some(missing) = guess.columns.iter().find(|c| !names.contains(&c.name)) else {
-        return Ok(());
-    };
-    let (missing, first, names) = (&missing.name, first.to_string_lossy(), names.join(", "));
-    Err(ExperimentError::Meaning {
-        file: path.display().to_string(),
-        message: format!(
-            "there is no column `{missing}`, which {first} has; its columns are {names}. All recordings of an \
-             experiment have the same columns: write an experiment of its own for it, or rename its columns"
-        ),
-    })
-}
-
-/// Text for a comment, without line breaks.
-fn in_a_line(text: &str) -> String {
-    text.replace(char::is_control, "\u{fffd}")
 }
 
 #[cfg(test)]

@@ -244,5 +244,5 @@ fn scatter(hessian: &DMatrix<f64>, scores: &DMatrix<f64>) -> f64 {
 
 /// Sum of the score statistics of blocks, one per row of `scores`.
 pub(super) fn statistics(information: &Information, scores: &DMatrix<f64>) -> f64 {
-    scores.row_iter().map(|score| information.statistic(&score.transpose())).sum()
+    (scores * information.whitening()).norm_squared()
 }

@@ -208,8 +208,8 @@ fn units_below(below: &[Vec<u8>], separator: char, columns: usize) -> Option<(us
         !is_units(&cells) && cells.iter().any(|c| is_finite(c))
     };
     let lines = below.iter().take_while(|line| !holds_number(line)).count().min(BELOW);
-    let units = below[..lines].iter().map(cells);
-    Some((lines, units.into_iter().find(|units| units.len() == columns && is_units(units))?))
+    let mut rows = below[..lines].iter().map(cells);
+    Some((lines, rows.find(|cells| cells.len() == columns && is_units(cells))?))
 }
 
 /// A name with its unit appended, if there is a unit and the name has none.

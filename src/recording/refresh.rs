@@ -266,6 +266,17 @@ mod tests {
     }
 
     #[test]
+    fn a_period_of_whole_rows_is_not_taken_for_its_half() {
+        // changes every one to three periods of five rows, all of which are whole numbers of half periods too
+        let steps = (0..300).scan(0, |at, k: usize| {
+            *at += 5 * (1 + k * k % 3);
+            Some(*at)
+        });
+        let found = period(&steps.collect::<Vec<_>>()).unwrap();
+        assert!((found - 5.0).abs() < 1e-3, "{found}");
+    }
+
+    #[test]
     fn rows_in_a_long_standstill_count_now_and_then() {
         let at = |k: usize| if k < 200 { (k / 4) as f64 * 0.37 } else { 18.5 };
         let alpha = (0..1000).map(|k| [at(k).sin(), 0.1 * at(k) * at(k)]).collect();

@@ -33,7 +33,7 @@ use self::guessed::Candidate;
 pub(super) use self::guessed::{About, Guess, Guessed, Question};
 use self::names::{Quantity, named};
 use self::pairs::Pairs;
-pub(super) use self::text::{Written, assumed_unit, assumed_units, file_text};
+pub(super) use self::text::{Written, assumed_unit, assumed_units, file_text, in_a_line};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 

@@ -332,6 +332,6 @@ fn text(text: &str) -> String {
 }
 
 /// Words in a comment, which a line break in them would end.
-fn in_a_line(text: &str) -> String {
+pub(in crate::experiment) fn in_a_line(text: &str) -> String {
     text.replace(char::is_control, "\u{fffd}")
 }

@@ -196,14 +196,6 @@ mod tests {
 
     #[test]
     fn two_columns_of_one_unit_are_never_one_axis() {
-        let of = |names: &[&str]| {
-            let column = |name: &&str| PreviewColumn {
-                name: (*name).into(),
-                values: (0..200).map(|k| 50.0 * (0.05 * f64::from(k)).sin()).collect(),
-                ..PreviewColumn::default()
-            };
-            guess(&names.iter().map(column).collect::<Vec<_>>())
-        };
         // no side is known: in their order, with the question
         for names in [
             ["Xa(rpm)", "Ya(rpm)", "Xb(mA)", "Yb(mA)"],

@@ -267,7 +267,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
             && (first < CALENDAR || calendar || is_counter)
     };
     if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
-        let (steps, seconds) = (DAY * step, (passed) * DAY);
+        let (steps, seconds) = (DAY * step, passed * DAY);
         one.unit = Some("d".into());
         one.evidence.push(format!(
             "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
@@ -278,7 +278,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     // fractions at a slow rate are not milliseconds if those would give an implausible log
     let is_slow = !whole(values)
         && (SLOWEST..RATES.0).contains(&rate(1.0))
-        && (passed) * 1e-3 < SHORTEST
+        && passed * 1e-3 < SHORTEST
         && first < CALENDAR;
     let is_stated = named(&one.name).unit == Some("s") && (STATED..RATES.1).contains(&rate(1.0));
     if is_slow || is_stated {
@@ -291,7 +291,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
             "{:.0} s at {:.3} Hz would be no log: this is {unit} ({:.1} s at {:.0} Hz)",
             passed,
             1.0 / step,
-            (passed) * factor,
+            passed * factor,
             rate(factor)
         ));
     }

@@ -235,8 +235,8 @@ fn bare_of_unit(name: &str) -> &str {
 
 fn grouped(names: &[String], groups: &[String]) -> Vec<String> {
     let one = |(name, group): (&String, &String)| {
-        let is_said = group.is_empty() || bare_of_unit(name) == group;
-        if is_said { name.clone() } else { format!("{group} {name}") }
+        let is_named = group.is_empty() || bare_of_unit(name) == group;
+        if is_named { name.clone() } else { format!("{group} {name}") }
     };
     names.iter().zip(groups).map(one).collect()
 }
