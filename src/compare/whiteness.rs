@@ -66,7 +66,8 @@ pub fn whiteness(
     hold: Hold,
 ) -> Result<Whiteness, ModelError> {
     let prepared = recordings.iter().map(prepare).collect();
-    let likelihood = Likelihood { prepared, hold, slow_moment: false, timing: false };
+    let likelihood =
+        Likelihood { prepared, hold, slow_moment: false, timing: false, step_scatter: 1.0 };
     let all = likelihood.innovations(model, p, &likelihood.initial_noise())?;
     let speeds = likelihood.prepared.iter().all(|p| p.used[2]);
     let mut wheels = [Innovations::default(), Innovations::default()];

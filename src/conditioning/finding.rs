@@ -189,6 +189,8 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input that is held until the next row, as determined from the motion.
     HeldInput,
+    /// An input that is said to be held from row to row and changes between the rows, as determined from the motion.
+    StepsBetweenRows,
     /// Shift of the input relative to the mean of the recordings, as determined from the motion.
     Phase {
         /// Time \[s\].
@@ -367,6 +369,7 @@ impl Kind {
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
+            Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
             Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),
             Self::StartAngle { angle_rad, .. } => ("start_angle", angle_rad, "rad"),

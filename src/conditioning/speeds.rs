@@ -26,8 +26,9 @@ use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, noise_variance, pieces};
 use super::{Conditioned, Context, Settings};
 use crate::math::{
-    Line, NormalEquations, cumulative_trapezoid, robust_deviation, trimmed_mean_square,
+    Line, NormalEquations, cumulative_trapezoid, quantile, robust_deviation, trimmed_mean_square,
 };
+use crate::recording::RESOLVED;
 
 /// Window \[s\] and its samples at least: motion changes within a few tenths of a second.
 const WINDOW: (f64, usize) = (0.1, 4);
@@ -45,6 +46,8 @@ const SKEW: f64 = 1.5;
 const FAR: f64 = 8.0;
 /// Share of the changes of the speed that must agree with a lag: with less, it is not the lag of the motion.
 const INFORMED: f64 = 0.5;
+/// Quantile of the speeds that is the top speed.
+const FAST: f64 = 0.99;
 /// As exactly, up to this factor.
 const EXACT: f64 = 3.0;
 
@@ -273,11 +276,12 @@ fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
     Some((way[j] + 0.5 * share * h * (s.omega[j] + omega), omega))
 }
 
-/// Whether the angle determines the speed as accurately as its own channel, over a time no longer than the
-/// delay.
+/// Whether the angle determines the speed over a time no longer than the delay, as accurately as its own channel, or to
+/// within what angles alone are used with. The noise that a filter leaves on a speed is no measure of its accuracy.
 fn angles_suffice(s: &Samples, lag: f64) -> bool {
     let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
-    angle * 2.0_f64.sqrt() / lag.abs() < EXACT * speed
+    let top = quantile(s.omega.iter().map(|w| w.abs()), FAST);
+    angle * 2.0_f64.sqrt() / lag.abs() < (EXACT * speed).max(RESOLVED * top)
 }
 
 /// Reads the speeds later by `lag`: whole rows by moving them, the rest by the acceleration around,

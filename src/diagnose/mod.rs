@@ -39,6 +39,7 @@ pub use fit::{WindowFit, fit};
 pub use hold::held_input;
 pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
 pub use judge::{Judge, Judgement};
+pub use logging::{Logging, more_likely_logging};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use outcome::{Diagnosis, Ranked, Step};
 pub use phases::{Phase, phases};
@@ -59,5 +60,6 @@ pub use windows::{Windows, mobility};
 
 #[cfg(test)]
 mod logger_tests;
+mod logging;
 #[cfg(test)]
 mod tests;

@@ -164,6 +164,7 @@ impl Search<'_> {
             derivatives: true,
             keep_innovations: false,
             input_noise: false,
+            step_scatter: 1.0,
         };
         // columns that are signals belong to the recordings they were made for
         let columns = self.rivals.effects.map(|c| c.for_recordings(&[run]));

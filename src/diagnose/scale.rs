@@ -24,7 +24,7 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     let largest =
         |value: &dyn Fn(&Recording) -> f64| recordings.iter().map(|r| value(r)).fold(0.0, f64::max);
     let x = Motion::at(0.0, [0.0; 2], [0.0; 2], model.robot());
-    let wheels = |r: &&Recording| r.drive_unit() == DriveUnit::NewtonMetre && !r.is_single_axis();
+    let wheels = |r: &&Recording| r.drive_unit() != DriveUnit::Volt && !r.is_single_axis();
     let held = |e: usize| {
         let own = &model.parameters()[model.slots(e)];
         model.effects()[e].energy().of_the_body() && own.iter().any(|p| p.fixed.is_some())

@@ -1,10 +1,10 @@
 //! Low-passes of speed sensors, distinguished from actuator lags.
 
 use super::evidence::{evidence, noiseless, without_noise};
-use super::fit::fit;
+use super::fit::{WindowFit, fit};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{LONGEST, Timed, timed, with_timing};
+use super::timing::{LONGEST, Timed, log_likelihood, timed, with_timing};
 use super::windows::{Errors, Windows};
 use crate::effects::{Change, Effect, Scale};
 use crate::model::Model;
@@ -87,7 +87,11 @@ pub fn speed_filter(
     if !bends {
         return None;
     }
-    let late = search.late_actuators(filter.low_pass);
+    let late: Vec<Vec<f64>> = search
+        .late_actuators(filter.low_pass)
+        .iter()
+        .filter_map(|fit| noiseless(&plain.windows, fit))
+        .collect();
     let is_late = |late: &Vec<f64>| {
         sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
     };
@@ -145,14 +149,15 @@ enum Noise {
     Removed,
 }
 
-struct Search<'a, 'b> {
+/// The low-passes of speeds, with a model near `p`.
+pub(super) struct Search<'a, 'b> {
     /// The model fitted to the speeds as recorded.
-    plain: &'b Timed<'a>,
-    model: &'b Model,
-    p: &'b [f64],
-    recordings: &'b [&'a Recording],
-    hold: Hold,
-    scale: &'b Scale,
+    pub(super) plain: &'b Timed<'a>,
+    pub(super) model: &'b Model,
+    pub(super) p: &'b [f64],
+    pub(super) recordings: &'b [&'a Recording],
+    pub(super) hold: Hold,
+    pub(super) scale: &'b Scale,
 }
 
 impl Search<'_, '_> {
@@ -166,18 +171,27 @@ impl Search<'_, '_> {
     /// The time constant of least error, and its error by the bend of that.
     fn best_of(&self, computed: Computed) -> Option<SpeedFilter> {
         let sum = |time_s: f64| self.sum(LowPass { computed, time_s });
+        let (time_s, bend) = self.least(&sum)?;
+        let error = sum(time_s) / self.plain.windows.values() as f64;
+        let std_error_s = time_s * (2.0 * error / bend).sqrt();
+        let low_pass = LowPass { computed, time_s };
+        Some(SpeedFilter { low_pass, std_error_s, or_late: true })
+    }
+
+    /// The time constant of least `score`, and the second derivative of that by the logarithm of the time constant. `None` without a
+    /// minimum inside the range; the longest time constants leave noise alone of the speeds, whose score says nothing.
+    fn least(&self, score: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
         let first = THRESHOLDS.logging * self.scale.step;
         let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
-        let sums: Vec<f64> = times.iter().map(|&t| sum(t)).collect();
-        let n = (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
-        if n == 0 || n + 1 == sums.len() {
-            return None;
-        }
+        let scores: Vec<f64> = times.iter().map(|&t| score(t)).collect();
+        let inside = (1..scores.len() - 1)
+            .filter(|&n| scores[n] <= scores[n - 1] && scores[n] <= scores[n + 1]);
+        let n = inside.min_by(|a, b| scores[*a].total_cmp(&scores[*b]))?;
         // a parabola through the logarithms of three times, twice, the second time closer
         let (mut middle, mut step, mut bend) = (times[n].ln(), RATIO.ln(), 0.0);
         for _ in 0..2 {
-            let [low, least, high] = [-1.0, 0.0, 1.0].map(|k| sum((middle + k * step).exp()));
+            let [low, least, high] = [-1.0, 0.0, 1.0].map(|k| score((middle + k * step).exp()));
             bend = (low - 2.0 * least + high) / (step * step);
             if !(bend > 0.0) {
                 return None;
@@ -185,11 +199,7 @@ impl Search<'_, '_> {
             middle += (0.5 * (low - high) / (step * bend)).clamp(-step, step);
             step *= 0.4;
         }
-        let time_s = middle.exp();
-        let error = sum(time_s) / self.plain.windows.values() as f64;
-        let std_error_s = time_s * (2.0 * error / bend).sqrt();
-        let low_pass = LowPass { computed, time_s };
-        Some(SpeedFilter { low_pass, std_error_s, or_late: true })
+        Some((middle.exp(), bend))
     }
 
     fn sum(&self, filter: LowPass) -> f64 {
@@ -223,11 +233,49 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Squared innovations, without noise of the input, with each effect that delays the actuator, starting at about
-    /// the time constant of the filter. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
+    /// The likeliest average over the rows, with the log-likelihood of the recorded speeds and the parameters of the model.
+    /// Noise of the sensor that passed through an average is correlated from row to row, whatever the motion, and white before
+    /// it. `None` of recordings with angles, which determine a low-pass directly.
+    pub(super) fn most_likely(&self) -> Option<(SpeedFilter, f64, Vec<f64>)> {
+        if self.recordings.iter().any(|r| r.measured().alpha) {
+            return None;
+        }
+        let computed = Computed::AtRows;
+        let likelihood = |time_s: f64| self.log_likelihood(LowPass { computed, time_s });
+        let score = |time_s: f64| likelihood(time_s).map_or(f64::INFINITY, |(l, _)| -2.0 * l);
+        let (time_s, bend) = self.least(&score)?;
+        let (likely, p) = likelihood(time_s)?;
+        let std_error_s = time_s * (2.0 / bend).sqrt();
+        let low_pass = LowPass { computed, time_s };
+        Some((SpeedFilter { low_pass, std_error_s, or_late: false }, likely, p))
+    }
+
+    /// Log-likelihood of the recorded speeds y as averages over the rows of speeds x, and the parameters of the model fitted to
+    /// these.
+    /// `None` where the robot would move before its input.
+    ///
+    /// ```text
+    /// ln p(y) = ln p(x) - n ln g,   x(k) = y(k-1) + (y(k) - y(k-1))/g,   n: number of speeds
+    /// ```
+    fn log_likelihood(&self, filter: LowPass) -> Option<(f64, Vec<f64>)> {
+        let before = self.before(filter);
+        let rows: Vec<&Recording> = before.iter().collect();
+        let wheels = if rows.iter().all(|r| r.is_single_axis()) { 1.0 } else { 2.0 };
+        let of = |r: &&Recording| {
+            let speeds = wheels * (r.len() - r.pieces().len()) as f64;
+            speeds * (1.0 - (-r.step() / filter.time_s).exp()).ln()
+        };
+        let narrowed: f64 = rows.iter().map(of).sum();
+        let fitted = self.fitted(&before)?;
+        let causal = !fitted.is_early(self.scale.logging);
+        let likely = log_likelihood(&fitted.fit, &rows, self.hold)?;
+        causal.then(|| (likely - narrowed, fitted.fit.p[..self.p.len()].to_vec()))
+    }
+
+    /// Fits with each effect that delays the actuator, starting at about the time constant of the filter. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
     /// equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
     /// attributes much of the delay to the inertia.
-    fn late_actuators(&self, filter: LowPass) -> Vec<Vec<f64>> {
+    pub(super) fn late_actuators(&self, filter: LowPass) -> Vec<WindowFit> {
         let before = self.before(filter);
         let found = self.fitted(&before).map_or_else(|| self.p.to_vec(), |behind| behind.fit.p);
         let late = crate::effects::all().into_iter().filter(|e| e.change() == Change::TimeShift);
@@ -241,8 +289,7 @@ impl Search<'_, '_> {
             start.resize(timed.parameters().len(), 0.0);
             let model = timed.add_effect(std::sync::Arc::from(effect)).ok()?;
             start.resize(model.parameters().len(), filter.time_s);
-            let fit = fit(windows, &model, &start, self.scale)?;
-            noiseless(windows, &fit)
+            fit(windows, &model, &start, self.scale)
         };
         late.filter_map(left).collect()
     }

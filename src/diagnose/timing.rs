@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
-use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL};
+use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL, with_later_input};
 use super::onset::latest_dead_time;
 use super::regression::Regression;
 use super::scale::scale_of;
@@ -15,6 +15,7 @@ use super::smoothed::Smoothed;
 use super::thresholds::THRESHOLDS;
 use super::windows::Windows;
 use crate::effects::Scale;
+use crate::filter::likelihood_of_steps;
 use crate::math::Information;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -192,10 +193,43 @@ impl Timed<'_> {
         fit.p[j] - error > logging
     }
 
+    /// Whether the motion is earlier than logging explains \[s\].
+    pub(super) fn is_early(&self, logging: f64) -> bool {
+        let (j, fit) = (self.shift, &self.fit);
+        let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
+        fit.p[j] + error < -logging
+    }
+
     /// Ratio of the error of the windows to its value under noise.
     pub(super) fn error(&self) -> f64 {
         (self.fit.cost / (0.5 * self.windows.values() as f64)).sqrt()
     }
+}
+
+/// Log-likelihood of whole `recordings` under a fit, with their input at its time; an input that is held changes at the rows,
+/// another one at uniformly distributed times in them.
+pub(super) fn log_likelihood(
+    fit: &WindowFit,
+    recordings: &[&Recording],
+    hold: Hold,
+) -> Option<f64> {
+    let scatter = if hold == Hold::Constant { 0.0 } else { 1.0 };
+    likelihood_with_scatter(fit, recordings, hold, scatter)
+}
+
+/// The same with another scatter of these times ([`likelihood_of_steps`]).
+pub(super) fn likelihood_with_scatter(
+    fit: &WindowFit,
+    recordings: &[&Recording],
+    hold: Hold,
+    scatter: f64,
+) -> Option<f64> {
+    let mut p = fit.p.clone();
+    let shift = fit.model.index_of(SYMBOL).map_or(0.0, |j| std::mem::take(&mut p[j]));
+    let moved: Vec<Recording> =
+        recordings.iter().map(|r| with_later_input(r, shift, hold)).collect();
+    let moved: Vec<&Recording> = moved.iter().collect();
+    likelihood_of_steps(&fit.model, &p, &moved, hold, scatter)
 }
 
 /// Fits `model` from `p` and the shift `start` \[s\] over some windows of 1 s of `recordings`. `None` where the model

@@ -4,8 +4,9 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
 use crate::diagnose::{
-    Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input, phases,
-    shapes_placed, speed_filter, start_angles, timing, with_later_input,
+    Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input,
+    more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
+    with_later_input,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
@@ -57,7 +58,12 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let own = plan.model.shifts_input();
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
-    if !own && let Some(moved) = unfiltered(plan, &start, share, asked.settings.speeds) {
+    let moved = match own {
+        true => None,
+        false => as_logged(plan, &start, share, asked.settings)
+            .or_else(|| unfiltered(plan, &start, share, asked.settings.speeds)),
+    };
+    if let Some(moved) = moved {
         start = moved;
         share = share_of_noise(plan, &start);
     }
@@ -192,12 +198,41 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
     train
 }
 
+/// Simulates with the most likely account of what the logger did ([`more_likely_logging`]), and reports it. Returns the
+/// parameters under this account, or `None` if there is no other.
+fn as_logged(plan: &mut Plan, start: &[f64], share: f64, settings: Settings) -> Option<Vec<f64>> {
+    if !settings.speeds {
+        return None;
+    }
+    // without a diagnosis the model need not be complete, and the file's `hold` stands
+    let steps = settings.rows && plan.diagnosis.is_some();
+    let train = train_with_noise(plan, share);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let found = more_likely_logging(&plan.model, start, &recordings, plan.hold, steps)?;
+    if found.hold != plan.hold {
+        let between =
+            |i| Finding::corrected(Channel::Input(i), Kind::StepsBetweenRows, "rows", true);
+        plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(between)));
+        plan.hold = found.hold;
+    }
+    if let Some(filter) = found.low_pass {
+        filtered_by(plan, filter, true);
+    }
+    Some(found.p)
+}
+
 /// Replaces speeds after a low-pass of their sensor by those before it, if `correct`, and reports this.
 /// Returns the parameters for the changed recordings, or `None` if they are unchanged.
 fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     let filter = speed_filter(&plan.model, start, &recordings, plan.hold)?;
+    filtered_by(plan, filter, correct);
+    correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
+}
+
+/// Reports a low-pass of the speeds, and replaces them by those before it, if `correct`.
+fn filtered_by(plan: &mut Plan, filter: SpeedFilter, correct: bool) {
     let SpeedFilter { low_pass, std_error_s, or_late } = filter;
     let LowPass { computed, time_s } = low_pass;
     let at_rows = computed == Computed::AtRows;
@@ -209,7 +244,6 @@ fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Opti
             m.recording = low_pass.before(&m.recording);
         }
     }
-    correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }
 
 /// Shifts the inputs of recordings with different phases between controller and log to their mean, and

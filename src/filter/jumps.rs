@@ -5,9 +5,9 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Increase of the log-likelihood for which another level of noise is accepted [nats]: four standard
-/// errors.
-const SURE: f64 = 8.0;
+/// Increase of the log-likelihood for which another level of noise, or another account of the input, is accepted
+/// [nats]: four standard errors.
+pub const SURE: f64 = 8.0;
 
 /// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
 /// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
@@ -17,7 +17,8 @@ const SURE: f64 = 8.0;
 #[must_use]
 pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> f64 {
     let prepared = recordings.iter().map(|r| prepare(r)).collect();
-    let likelihood = Likelihood { prepared, hold, slow_moment: false, timing: false };
+    let likelihood =
+        Likelihood { prepared, hold, slow_moment: false, timing: false, step_scatter: 1.0 };
     let seen = likelihood.initial_noise();
     // the usual case, for which the search is not needed
     if likelihood.asks_for_noise(model, p, &seen) {
@@ -28,6 +29,22 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     let Some((seen_value, likely_value)) = value(&seen).zip(value(&likely)) else { return 1.0 };
     let refuted = likely.sigma_m < seen.sigma_m && likely_value - seen_value > SURE;
     if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
+}
+
+/// Log-likelihood of recordings under a model at `p`, at its most likely white noise of the input, if its changes happen at times
+/// in their rows that scatter by [`step_scatter`](super::PassSettings::step_scatter). `None` where it is not finite.
+#[must_use]
+pub fn likelihood_of_steps(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    hold: Hold,
+    step_scatter: f64,
+) -> Option<f64> {
+    let prepared = recordings.iter().map(|r| prepare(r)).collect();
+    let likelihood = Likelihood { prepared, hold, slow_moment: false, timing: false, step_scatter };
+    let (noise, _) = likelihood.noise(model, p, &likelihood.initial_noise());
+    likelihood.value(model, p, &noise)
 }
 
 #[cfg(test)]

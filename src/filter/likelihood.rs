@@ -24,6 +24,8 @@ pub struct Likelihood<'a> {
     /// Whether [`ProcessNoise::later`] is estimated, for efficient estimates. It is fixed in
     /// searches for lags and delays, with which it is correlated by up to half a sample.
     pub timing: bool,
+    /// Relative scatter of the times at which the input changes ([`PassSettings::step_scatter`]).
+    pub step_scatter: f64,
 }
 
 /// Where a maximisation ended.
@@ -74,7 +76,8 @@ struct Climb {
 impl Likelihood<'_> {
     pub(super) fn settings(&self, noise: &ProcessNoise, derivatives: bool) -> PassSettings {
         let (keep_innovations, input_noise) = (false, false);
-        PassSettings { noise: *noise, derivatives, keep_innovations, input_noise }
+        let step_scatter = self.step_scatter;
+        PassSettings { noise: *noise, derivatives, keep_innovations, input_noise, step_scatter }
     }
 
     /// Bias of every parameter at a maximum by noise of the recorded input.

@@ -29,7 +29,7 @@ mod totals;
 pub use accumulate::ScoreSums;
 pub use friction::clarity;
 pub(crate) use horizon::{HorizonFilter, Reading, pieces};
-pub use jumps::noise_of_jumps;
+pub use jumps::{SURE, likelihood_of_steps, noise_of_jumps};
 pub use likelihood::{Likelihood, Maximum};
 pub use pass::{Columns, Instant, NoColumns, Pass, PassSettings, filter_pass};
 pub use prepare::{Prepared, prepare};

@@ -68,6 +68,9 @@ pub struct PassSettings {
     pub keep_innovations: bool,
     /// Whether the mean score due to noise of the input is computed; requires derivatives.
     pub input_noise: bool,
+    /// Standard deviation of the time at which the input changes in its row, relative to that of a uniformly distributed one;
+    /// 0 for changes at the rows.
+    pub step_scatter: f64,
 }
 
 /// Result of a pass.
@@ -189,7 +192,11 @@ impl Drive for Piece<'_> {
     fn sample<'s>(&self, k: usize, slopes: Option<&'s mut InputSlopes>) -> Sample<'s> {
         let Recorded { prepared, input: m, .. } = self.of;
         let (t, raw) = (prepared.recording.t(), prepared.recording.torque());
-        let ProcessNoise { later: c, sigma_m, .. } = self.of.settings.noise;
+        let PassSettings {
+            noise: ProcessNoise { later: c, sigma_m, .. },
+            step_scatter: scatter,
+            ..
+        } = *self.of.settings;
         let inside = k >= self.rows.start + 2 && k + 1 < self.rows.end;
         let mut input = [0.0; 2];
         for i in 0..2 {
@@ -216,7 +223,7 @@ impl Drive for Piece<'_> {
             tilt: lag_of_angle(c, &m[k - 1], &m[k]),
             smoother: [0.0; 2],
             crossing: [0.0; 4],
-            change: [0, 1].map(|i| raw[k][i] - raw[k - 1][i]),
+            change: [0, 1].map(|i| scatter * (raw[k][i] - raw[k - 1][i])),
             by_parameter,
             ends_by_parameter: &[],
             speed_variance: prepared.speed_variance,

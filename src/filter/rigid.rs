@@ -243,7 +243,8 @@ mod tests {
         let recording = Recording::new("slow", channels, DriveUnit::Volt).unwrap();
         let noise = ProcessNoise { sigma_m: 1e-4, sigma_d: 0.0, tau_d: 1.0, later: 0.0 };
         let (derivatives, keep_innovations, input_noise) = (true, true, false);
-        let settings = PassSettings { noise, derivatives, keep_innovations, input_noise };
+        let settings =
+            PassSettings { noise, derivatives, keep_innovations, input_noise, step_scatter: 1.0 };
         let pass = filter_pass(&model, &p, &prepare(&recording), &settings, &NoColumns).unwrap();
         let e: Vec<f64> = pass.innovations.iter().map(|i| i.value.powi(2)).collect();
         let rms = (e.iter().sum::<f64>() / e.len() as f64).sqrt();

@@ -59,7 +59,8 @@ pub(super) fn process(sigma_m: f64) -> ProcessNoise {
 
 pub(super) fn pass(model: &Model, p: &[f64], prepared: &Prepared, noise: ProcessNoise) -> Pass {
     let (keep_innovations, input_noise) = (true, true);
-    let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
+    let settings =
+        PassSettings { noise, derivatives: true, keep_innovations, input_noise, step_scatter: 1.0 };
     filter_pass(model, p, prepared, &settings, &NoColumns).unwrap()
 }
 
@@ -154,7 +155,8 @@ pub(super) fn shown(
 fn shown_by(recording: &Recording, model: &Model, p: &[f64], of: Range<usize>) -> Shown {
     let noise = process(NOISE.torque);
     let (keep_innovations, input_noise) = (true, true);
-    let settings = PassSettings { noise, derivatives: true, keep_innovations, input_noise };
+    let settings =
+        PassSettings { noise, derivatives: true, keep_innovations, input_noise, step_scatter: 1.0 };
     let pass = filter_pass(model, p, &known(recording), &settings, &Viscous).unwrap();
     let value = |statistic: f64, degrees: usize| chi2_log_survival(statistic, degrees as f64).exp();
     let own: Vec<usize> = (0..p.len()).collect();

@@ -6,7 +6,7 @@ use crate::math::{cumulative_trapezoid, noise, quantile};
 
 /// Error of a speed computed from counts of an encoder, as a share of the top speed, above which it is computed over more
 /// rows (judgement: a percent is hardly visible in a figure).
-const RESOLVED: f64 = 0.01;
+pub(crate) const RESOLVED: f64 = 0.01;
 /// Longest time to either side of a row over which a speed is computed \[s\], as in the local motion.
 const LONGEST: f64 = 0.03;
 

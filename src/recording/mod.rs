@@ -21,7 +21,7 @@ mod sensing;
 mod standstill;
 
 pub use channels::{Channels, Measured, MotionNoise, Noise, Sensing, SlowNoise};
-pub(crate) use derived::{differentiate, slopes};
+pub(crate) use derived::{RESOLVED, differentiate, slopes};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};

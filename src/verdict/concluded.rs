@@ -54,6 +54,7 @@ impl<'a> Concluded<'a> {
             hold: basis.hold,
             slow_moment: basis.slow_moment,
             timing: false,
+            step_scatter: 1.0,
         };
         let judge = Judge::new(basis.judged().to_vec(), basis.hold);
         let WindowFit { model, p, .. } = diagnosis.last();

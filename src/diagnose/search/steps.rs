@@ -11,7 +11,7 @@ use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
-use crate::effects::{Change, ParameterKind};
+use crate::effects::{Change, ParameterKind, ParameterSpec};
 
 /// A fit evaluated on held-out recordings.
 struct HeldOut<'a> {
@@ -322,7 +322,7 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
 
-/// Whether a linear parameter of an effect, or the time of a shift, differs from zero by more than its uncertainty: an
+/// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters differs from zero by more than its uncertainty: an
 /// effect that the training recordings do not show may lower the held-out error by accident. Recordings with fewer windows than
 /// parameters do not give the error of a time.
 pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
@@ -335,10 +335,13 @@ pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
         return fit.is_short() || is_sized(slots.start + effect.time());
     }
     let specs = effect.parameters();
-    let mut linear = slots
-        .zip(&specs)
-        .filter(|(_, s)| s.kind == ParameterKind::Linear)
-        .map(|(j, _)| j)
-        .peekable();
-    linear.peek().is_none() || linear.any(is_sized)
+    let of_kind =
+        |(j, spec): (usize, &ParameterSpec)| (spec.kind == ParameterKind::Linear).then_some(j);
+    let linear: Vec<usize> = slots.clone().zip(&specs).filter_map(of_kind).collect();
+    if linear.is_empty() {
+        // the error of a shape at its limit is not known
+        let is_zero = |j: usize| fit.covariance[(j, j)].is_finite() && !is_sized(j);
+        return !slots.into_iter().all(is_zero);
+    }
+    linear.into_iter().any(is_sized)
 }

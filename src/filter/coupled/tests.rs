@@ -19,7 +19,13 @@ fn recorded(id: &str, own: &[f64]) -> (Model, Vec<f64>, Recording) {
 }
 
 fn likelihood(prepared: Prepared) -> Likelihood {
-    Likelihood { prepared: vec![prepared], hold: Hold::Linear, slow_moment: true, timing: false }
+    Likelihood {
+        prepared: vec![prepared],
+        hold: Hold::Linear,
+        slow_moment: true,
+        timing: false,
+        step_scatter: 1.0,
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn recorded(hidden: &[&str]) -> (Vec<f64>, Recording) {
 
 fn likelihood(recording: &Recording) -> Likelihood<'_> {
     let prepared = vec![prepare(recording)];
-    Likelihood { prepared, hold: Hold::Linear, slow_moment: true, timing: false }
+    Likelihood { prepared, hold: Hold::Linear, slow_moment: true, timing: false, step_scatter: 1.0 }
 }
 
 /// The same search by Nelder-Mead on the logarithms.

@@ -18,7 +18,13 @@ const MOST_BIAS: f64 = 0.1;
 pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyError> {
     let first = start::start(task, NAME)?;
     let prepared = task.train.iter().map(prepare).collect();
-    let likelihood = Likelihood { prepared, hold: task.hold, slow_moment: true, timing: true };
+    let likelihood = Likelihood {
+        prepared,
+        hold: task.hold,
+        slow_moment: true,
+        timing: true,
+        step_scatter: 1.0,
+    };
     let maximum = likelihood.maximise(task.model, &first, None).map_err(unusable)?;
     let bias = likelihood.bias_by_input_noise(task.model, &maximum)?;
     // the bias is computed to first order, which is not valid for a large one

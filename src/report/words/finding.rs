@@ -154,6 +154,10 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                 ""
             }
         ),
+        Kind::StepsBetweenRows => format!(
+            "{name} is said to be held from row to row, but changes between the rows: its steps act at times that \
+             scatter over the row (the controller runs faster than the log, or beside it)"
+        ),
         Kind::HeldInput => format!(
             "{name} is held between the rows: the motion follows a held input better than a linear one"
         ),
@@ -240,6 +244,9 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Lag { .. } => "advanced by this time",
         Kind::Filtered { .. } => "not used: the speeds are computed from the angles",
         Kind::LowPass { .. } => "the speed before the filter is used",
+        Kind::StepsBetweenRows => {
+            "interpolated between the rows, and the noise floor includes the unknown times"
+        }
         Kind::HeldInput => "simulated as held (hold = \"linear\" interpolates between the rows)",
         Kind::Phase { .. } => "shifted by this time",
         Kind::StartHeading { .. } => "the angles are shifted",

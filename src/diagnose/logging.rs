@@ -1,0 +1,244 @@
+//! What the logger did to the recorded signals: the most likely account of input and speeds.
+
+use std::sync::Arc;
+
+use super::scale::scale_of;
+use super::speed_filter::{Search, SpeedFilter};
+use super::thresholds::THRESHOLDS;
+use super::timing::{Timed, likelihood_with_scatter, log_likelihood, timed};
+use crate::effects::{self, Effect, ParameterKind, Scale};
+use crate::filter::SURE;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::simulate::Hold;
+
+/// Factor on the scatter of the times of steps below which it must be less likely: an error of the model at the steps is as
+/// likely of any other size.
+const LESS: f64 = 0.25;
+
+/// An account of the recorded signals.
+#[derive(Clone, Debug)]
+pub struct Logging {
+    /// The input between the rows.
+    pub hold: Hold,
+    /// The average over the rows that the speeds passed through, if any.
+    pub low_pass: Option<SpeedFilter>,
+    /// Parameters of the model fitted under this account.
+    pub p: Vec<f64>,
+}
+
+/// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold` and the speeds
+/// are those of the wheels: averages of the speeds over the rows (not of `recordings` with angles), and, where
+/// `steps` allows it for an input that is said to be held, changes of the input between the rows. This is asked where a model at
+/// `p` does not explain the motion within noise, or is late; `None` otherwise.
+///
+/// ```text
+/// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
+/// ```
+/// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time of the input.
+/// The account given may also contain any effect of the catalogue that acts on the input, since a lag too shows
+/// itself at the steps, and at the speeds.
+#[must_use]
+pub fn more_likely_logging(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    hold: Hold,
+    steps: bool,
+) -> Option<Logging> {
+    let steps = steps && hold == Hold::Constant;
+    if !steps && recordings.iter().any(|r| r.measured().alpha) {
+        return None;
+    }
+    let scale = scale_of(model, p, recordings);
+    let context = Context { model, recordings, scale: &scale };
+    let given = timed(model, p, 0.0, recordings, hold, &scale)?;
+    let above = given.error() > THRESHOLDS.above_floor;
+    if !above && !given.is_late(scale.logging) {
+        return None;
+    }
+    // the likelihood of an incomplete model counts by as much less as its squared errors are larger than noise
+    let sure = SURE * given.error().powi(2).max(1.0);
+    let plain = log_likelihood(&given.fit, recordings, hold)?;
+    let surely = |account: &Account, other: f64| {
+        let effects = context.with_effects(&account.logging.p, hold);
+        let rivals = effects.chain(account.rivals.iter().copied());
+        account.likelihood - rivals.fold(other, f64::max) > sure
+    };
+    let averaged = context.averaged(&given, p.len(), hold).filter(|a| surely(a, plain));
+    let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
+    let between = if above && steps { context.between_rows(p) } else { vec![] };
+    let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
+    let likeliest = between.filter(|a| surely(a, held)).or(averaged);
+    likeliest.map(|account| account.logging)
+}
+
+/// An account with its log-likelihood, and those of late actuators in place of its average.
+struct Account {
+    logging: Logging,
+    likelihood: f64,
+    rivals: Vec<f64>,
+}
+
+/// What every account is fitted to.
+struct Context<'a, 'b> {
+    model: &'b Model,
+    recordings: &'b [&'a Recording],
+    scale: &'b Scale,
+}
+
+impl<'a> Context<'a, '_> {
+    fn timed(&self, model: &Model, p: &[f64], hold: Hold) -> Option<Timed<'a>> {
+        timed(model, p, 0.0, self.recordings, hold, self.scale)
+    }
+
+    /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count` parameters.
+    fn averaged(&self, plain: &Timed, count: usize, hold: Hold) -> Option<Account> {
+        let Self { model, recordings, scale } = *self;
+        let p = &plain.fit.p[..count];
+        let search = Search { plain, model, p, recordings, hold, scale };
+        let (low_pass, likelihood, p) = search.most_likely()?;
+        let late = search.late_actuators(low_pass.low_pass);
+        let rivals = late.iter().filter_map(|fit| log_likelihood(fit, recordings, hold)).collect();
+        Some(Account { logging: Logging { hold, low_pass: Some(low_pass), p }, likelihood, rivals })
+    }
+
+    /// Steps of the input between the rows, with the speeds as recorded and with their likeliest average.
+    fn between_rows(&self, p: &[f64]) -> Vec<Account> {
+        let hold = Hold::Linear;
+        let Some(timed) = self.timed(self.model, p, hold) else { return vec![] };
+        let of = |scatter| likelihood_with_scatter(&timed.fit, self.recordings, hold, scatter);
+        let [Some(likelihood), Some(less)] = [1.0, LESS].map(of) else { return vec![] };
+        if likelihood <= less {
+            return vec![];
+        }
+        let logging = Logging { hold, low_pass: None, p: timed.fit.p[..p.len()].to_vec() };
+        let alone = Account { logging, likelihood, rivals: vec![] };
+        [alone].into_iter().chain(self.averaged(&timed, p.len(), hold)).collect()
+    }
+
+    /// Log-likelihoods of the recordings as given, with each effect that acts on the input.
+    fn with_effects(&self, p: &[f64], hold: Hold) -> impl Iterator<Item = f64> {
+        let extended = acting_on_input(self.scale)
+            .into_iter()
+            .filter_map(|e| extended(self.model, p, e, self.scale));
+        extended.filter_map(move |(model, p)| {
+            log_likelihood(&self.timed(&model, &p, hold)?.fit, self.recordings, hold)
+        })
+    }
+}
+
+/// The effects of the catalogue that act on the input, except a pure delay, which every fit contains.
+fn acting_on_input(scale: &Scale) -> Vec<Arc<dyn Effect>> {
+    let all = effects::all().into_iter().map(Arc::from);
+    all.filter(|e: &Arc<dyn Effect>| e.acts_on_input() && !e.is_delay() && e.admissible(scale))
+        .collect()
+}
+
+/// The model with an effect more, from the middle of its shapes.
+fn extended(
+    model: &Model,
+    p: &[f64],
+    effect: Arc<dyn Effect>,
+    scale: &Scale,
+) -> Option<(Model, Vec<f64>)> {
+    let shapes = effect.shapes(scale);
+    let middle = shapes.get(shapes.len() / 2)?.clone();
+    let model = model.add_effect(effect).ok()?;
+    let mut middle = middle.into_iter();
+    let initial = model.initial();
+    let more = (p.len()..initial.len()).map(|j| match model.parameters()[j].spec.kind {
+        ParameterKind::Shape => middle.next().unwrap_or(initial[j]),
+        ParameterKind::Linear => initial[j],
+    });
+    let start = p.iter().copied().chain(more).collect();
+    Some((model, start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{Channels, DriveUnit};
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Input, simulate};
+    use rand::{Rng, SeedableRng};
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Steps per row of the motion.
+    const FINE: usize = 10;
+
+    /// 30 s at 50 Hz of a robot with `effects` whose input takes a new value every 10 rows, `late(k)` tenths of a row after
+    /// row k, and is recorded at the rows.
+    fn driven(effects: &[(&str, f64)], mut late: impl FnMut() -> usize) -> Recording {
+        let ids: Vec<&str> = effects.iter().map(|e| e.0).collect();
+        let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
+        let mut p = model.initial();
+        let first = p.len() - effects.len();
+        p[first..].iter_mut().zip(effects).for_each(|(p, e)| *p = e.1);
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let rows = 1500;
+        let mut value = [0.3; 2];
+        let mut input = Vec::new();
+        for _ in 0..rows / 10 {
+            let (next, after) = ([0, 1].map(|_| rng.random_range(-0.2..0.8)), late());
+            input.extend((0..10 * FINE).map(|k| if k < after { value } else { next }));
+            value = next;
+        }
+        let t: Vec<f64> = (0..input.len()).map(|k| 0.02 / FINE as f64 * k as f64).collect();
+        let fine = Input { t: &t, torque: &input, hold: Hold::Constant };
+        let states = simulate(&model, &p, &fine, State::default()).unwrap();
+        let mut noise = |w: f64| {
+            let draw: f64 = StandardNormal.sample(&mut rng);
+            w + 0.01 * draw
+        };
+        let omega = states.iter().step_by(FINE).map(|s| s.omega.map(&mut noise)).collect();
+        let every = |v: &[[f64; 2]]| v.iter().step_by(FINE).copied().collect();
+        let t = t.iter().step_by(FINE).copied().collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque: every(&input) };
+        Recording::new("steps", channels, DriveUnit::NewtonMetre).unwrap()
+    }
+
+    fn account(recording: &Recording) -> Option<Logging> {
+        let model = Model::base(Robot::amigobot());
+        more_likely_logging(&model, &model.initial(), &[recording], Hold::Constant, true)
+    }
+
+    fn found(recording: &Recording) -> bool {
+        account(recording).is_some_and(|logging| logging.hold == Hold::Linear)
+    }
+
+    #[test]
+    fn steps_at_scattered_times_are_no_held_input() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        assert!(found(&driven(&[], || rng.random_range(0..FINE))));
+    }
+
+    #[test]
+    fn held_inputs_stay_held_late_or_with_another_effect() {
+        assert!(!found(&driven(&[], || 0)));
+        // the same part of a row at every step is a delay
+        assert!(!found(&driven(&[], || 6)));
+        assert!(!found(&driven(&[("turning_scrub", 0.05)], || 0)));
+        assert!(!found(&driven(&[("actuator_lag", 0.03)], || 0)));
+    }
+
+    #[test]
+    fn an_average_over_the_rows_shows_in_the_noise_of_the_speeds() {
+        let share = 0.4;
+        for effects in [&[][..], &[("turning_scrub", 0.05)]] {
+            let recorded = driven(effects, || 0);
+            let mut averaged = recorded.omega().to_vec();
+            for k in 1..averaged.len() {
+                let last = averaged[k - 1];
+                averaged[k] = [0, 1].map(|i| last[i] + share * (averaged[k][i] - last[i]));
+            }
+            let found = account(&recorded.with_omega(averaged)).unwrap();
+            let filter = found.low_pass.unwrap().low_pass;
+            let true_s = -0.02 / (1.0_f64 - share).ln();
+            // another effect adds errors that are correlated like an average
+            assert!((filter.time_s / true_s - 1.0).abs() < 0.2, "{filter:?} {true_s}");
+            assert_eq!(found.hold, Hold::Constant);
+            assert!(account(&recorded).is_none());
+        }
+    }
+}
