@@ -10,7 +10,7 @@ use crate::math::trapezoid;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{
-    Dynamics, Hold, Realisation, SimulateError, every_other, speeds_of_realisations,
+    Dynamics, Hold, Realisation, SimulateError, Speeds, every_other, speeds_of_realisations,
 };
 
 /// Number of noise realisations.
@@ -110,7 +110,7 @@ impl<'a> Runs<'a> {
         torques: &[Vec<[f64; 2]>],
         ranges: &[Range<usize>],
         starts: &[Vec<State>],
-    ) -> Result<Vec<Vec<[f64; 2]>>, SimulateError> {
+    ) -> Result<Speeds, SimulateError> {
         let count = torques.len().max(starts.len());
         let (torque, starts) = (
             |n: usize| &torques[n.min(torques.len() - 1)][..],
@@ -133,7 +133,7 @@ impl<'a> Runs<'a> {
         &self,
         ranges: &[Range<usize>],
         runs: impl Iterator<Item = (&'b [[f64; 2]], &'b Vec<State>)>,
-    ) -> Option<Result<Vec<Vec<[f64; 2]>>, SimulateError>> {
+    ) -> Option<Result<Speeds, SimulateError>> {
         let (model, p) = self.dynamics.physical()?;
         let r = self.recording;
         if !r.measured().omega || r.fresh().contains(&false) {

@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use self::base_model::{Batch, Part, has_lanes, stored};
-pub(crate) use self::realisations::{Realisation, speeds_of_realisations};
+pub(crate) use self::realisations::{Realisation, Speeds, speeds_of_realisations};
 use super::input_line::InputLine;
 use super::stepper::{edge, pieces_between};
 use super::{Hold, Input, SimulateError, simulate};

@@ -26,6 +26,9 @@ pub(super) struct Part<S: Simd> {
     pub(super) torque: [Wheels<S>; 3],
 }
 
+/// Parameters and initial state of a simulation.
+pub(super) type Simulation<'a> = (&'a [f64], State);
+
 /// A number in each lane for each wheel.
 pub(super) type Wheels<S> = [Lanes<S>; 2];
 
@@ -61,9 +64,9 @@ impl<'a, S: Simd> Batch<'a, S> {
         simd: S,
         model: &'a Model,
         origin: f64,
-        simulations: &[(&'a [f64], State)],
+        simulations: &[Simulation<'a>],
     ) -> Self {
-        let states = |of: &dyn Fn(&(&[f64], State)) -> f64| {
+        let states = |of: &dyn Fn(&Simulation) -> f64| {
             let one = |lane: usize| of(&simulations[lane.min(simulations.len() - 1)]);
             Lanes::load(simd, &(0..Lanes::<S>::COUNT).map(one).collect::<Vec<f64>>())
         };

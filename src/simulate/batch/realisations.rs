@@ -12,6 +12,9 @@ use crate::math::{Lanes, in_lanes};
 use crate::model::Model;
 use crate::robot::State;
 
+/// Simulated speeds [rad/s] of several realisations, row by row.
+pub(crate) type Speeds = Vec<Vec<[f64; 2]>>;
+
 /// One of several simulations over the same windows.
 pub(crate) struct Realisation<'a> {
     /// Acting input in every row of the recording [N m].
@@ -33,7 +36,7 @@ pub(crate) fn speeds_of_realisations(
     (t, hold): (&[f64], Hold),
     windows: &[Range<usize>],
     realisations: &[Realisation],
-) -> Option<Result<Vec<Vec<[f64; 2]>>, SimulateError>> {
+) -> Option<Result<Speeds, SimulateError>> {
     let simulated = SideBySide { model, p, t, hold, windows, realisations };
     has_lanes(model).then(|| in_lanes(simulated))
 }
@@ -50,7 +53,7 @@ pub(super) struct SideBySide<'a> {
 }
 
 impl WithSimd for SideBySide<'_> {
-    type Output = Result<Vec<Vec<[f64; 2]>>, SimulateError>;
+    type Output = Result<Speeds, SimulateError>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
