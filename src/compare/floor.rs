@@ -6,15 +6,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::error::{Acting, WINDOW, start_of, windows_of};
-use super::input_noise::{noisier_input, normal, slowly_noisier_input};
-use crate::math::trapezoid;
-use crate::recording::{LocalMotion, Recording};
-use crate::robot::State;
-use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError, every_other};
-
-/// Number of noise realisations.
-const DRAWS: usize = 8;
+use super::runs::{Reach, Runs};
+use crate::recording::Recording;
+use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError};
 
 /// The error of the correct model on one recording.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -202,166 +196,8 @@ fn mean_over_rows(recordings: &[Recording], values: impl Iterator<Item = f64>) -
     sum / f64::max(rows().sum(), 1.0)
 }
 
-/// Which simulations of a recording are computed.
-#[derive(Clone, Copy, PartialEq)]
-enum Reach {
-    Windows,
-    FreeAndWindows,
-}
-
-/// Simulations of a recording with an input or an initial state that differ from the recorded ones.
-struct Runs<'a> {
-    dynamics: &'a dyn Dynamics,
-    recording: &'a Recording,
-    hold: Hold,
-    reach: Reach,
-    /// Rows of the windows of 2 s.
-    short: Vec<Range<usize>>,
-    /// The simulation with the recorded input and initial state.
-    plain: Run,
-}
-
-/// The states of a free simulation, if there is one, and of windows of 2 s.
-struct Run {
-    free: Option<Vec<State>>,
-    windows: Vec<State>,
-}
-
-/// Difference between simulations and the one with recorded input and initial state.
-#[derive(Clone, Copy, Default)]
-struct Apart {
-    /// Of the free simulation, per wheel [rad^2/s].
-    ise: [f64; 2],
-    /// Of the windows, mean over rows and wheels [rad^2/s^2].
-    square: f64,
-}
-
-impl<'a> Runs<'a> {
-    fn new(
-        dynamics: &'a dyn Dynamics,
-        recording: &'a Recording,
-        hold: Hold,
-        reach: Reach,
-    ) -> Result<Self, SimulateError> {
-        let whole = recording.pieces().iter();
-        let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-        let plain = Run { free: None, windows: vec![] };
-        let mut runs = Self { dynamics, recording, hold, reach, short, plain };
-        runs.plain = runs.run(recording.torque(), None)?;
-        Ok(runs)
-    }
-
-    fn run(
-        &self,
-        torque: &[[f64; 2]],
-        mut rng: Option<&mut ChaCha8Rng>,
-    ) -> Result<Run, SimulateError> {
-        let acting = Acting::new(self.dynamics, self.recording, torque);
-        let (whole, motion) = (self.recording.pieces(), self.recording.local_motion());
-        let mut starts = |ranges: &[Range<usize>]| -> Vec<State> {
-            ranges.iter().map(|range| start(&motion[range.start], rng.as_deref_mut())).collect()
-        };
-        // starts of the windows are the same draws with a free simulation and without
-        let (first, of_windows) = (starts(whole), starts(&self.short));
-        let free = match self.reach {
-            Reach::Windows => None,
-            Reach::FreeAndWindows => Some(self.all(&acting, whole, &first)?),
-        };
-        Ok(Run { free, windows: self.all(&acting, &self.short, &of_windows)? })
-    }
-
-    fn all(
-        &self,
-        acting: &Acting,
-        ranges: &[Range<usize>],
-        starts: &[State],
-    ) -> Result<Vec<State>, SimulateError> {
-        let windows: Vec<_> = ranges.iter().cloned().zip(starts.iter().copied()).collect();
-        acting.simulate(&windows, self.hold)
-    }
-
-    /// The mean over realisations of input noise with the variance of the input's differences.
-    fn by_input_jumps(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
-        let sigma = self.recording.input_jumps();
-        self.mean(DRAWS, |_| self.run(&noisier_input(self.recording, sigma, rng), None))
-    }
-
-    /// The mean over realisations of slow (autocorrelated) input noise.
-    fn by_slow_input_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
-        if self.recording.slow_input_noise().iter().all(|n| n.sigma == 0.0) {
-            return Ok(Apart::default());
-        }
-        self.mean(DRAWS, |_| self.run(&slowly_noisier_input(self.recording, rng), None))
-    }
-
-    /// The mean over realisations of noise in the initial state.
-    fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
-        self.mean(DRAWS, |_| self.run(self.recording.torque(), Some(rng)))
-    }
-
-    /// The mean over both ways of omitting every other row of the input: the effect of the unknown input
-    /// between the rows; zero for a held input.
-    fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
-        if self.hold == Hold::Constant {
-            return Ok(Apart::default());
-        }
-        let halved = |phase| every_other(self.recording, self.recording.torque(), phase);
-        self.mean(2, |phase| self.run(&halved(phase), None))
-    }
-
-    fn mean(
-        &self,
-        count: usize,
-        mut run: impl FnMut(usize) -> Result<Run, SimulateError>,
-    ) -> Result<Apart, SimulateError> {
-        let mut sum = Apart::default();
-        for n in 0..count {
-            let one = self.apart(&run(n)?);
-            sum.ise = [0, 1].map(|i| sum.ise[i] + one.ise[i]);
-            sum.square += one.square;
-        }
-        let share = 1.0 / count as f64;
-        Ok(Apart { ise: sum.ise.map(|v| share * v), square: share * sum.square })
-    }
-
-    fn apart(&self, run: &Run) -> Apart {
-        let t = self.recording.t();
-        let ise = [0, 1].map(|i| {
-            let Some((free, plain)) = run.free.as_ref().zip(self.plain.free.as_ref()) else {
-                return 0.0;
-            };
-            let square = |k: usize| spread(&free[k], &plain[k], i);
-            trapezoid(t, self.recording.pieces(), square)
-        });
-        let pairs = run.windows.iter().zip(&self.plain.windows);
-        let sum: f64 = pairs.map(|(a, b)| spread(a, b, 0) + spread(a, b, 1)).sum();
-        Apart { ise, square: sum / (2.0 * t.len() as f64) }
-    }
-}
-
 fn length(recording: &Recording, piece: &Range<usize>) -> f64 {
     recording.t()[piece.end - 1] - recording.t()[piece.start]
-}
-
-fn spread(a: &State, b: &State, i: usize) -> f64 {
-    let d = (a.omega[i] - b.omega[i]).powi(2);
-    if d.is_finite() { d } else { 0.0 }
-}
-
-/// Initial state of a simulation, with a realisation of the noise of the speeds if `rng` is given.
-fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
-    let mut first = start_of(local);
-    let Some(rng) = rng else { return first };
-    let draws = [normal(rng), normal(rng)];
-    let single = local.omega[0] == local.omega[1];
-    for i in 0..2 {
-        // a wheel at rest stays at rest: noise is drawn only for moving wheels
-        if first.omega[i] != 0.0 {
-            let draw = if single { draws[0] } else { draws[i] };
-            first.omega[i] = local.omega[i] + local.omega_variance[i].sqrt() * draw;
-        }
-    }
-    first
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod low_pass;
 mod mean;
 mod regime;
 mod residual_torque;
+mod runs;
 mod split_noise;
 mod unexplained_torque;
 mod whiteness;

@@ -174,20 +174,18 @@ pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f
     pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
 }
 
-/// [`shifted`] in every so many rows of each piece, and zero in the others.
-#[must_use]
-pub(super) fn shifted_every(
+/// Calls `see` with every so many rows of each piece, and the value of [`shifted`] in them.
+pub(super) fn each_shifted(
     every: usize,
     recording: &Recording,
     signal: &[[f64; 2]],
     shift: f64,
-) -> Vec<[f64; 2]> {
-    let mut out = vec![[0.0; 2]; signal.len()];
+    mut see: impl FnMut(usize, [f64; 2]),
+) {
     for p in recording.pieces() {
-        let rows = later_every(every, &recording.t()[p.clone()], &signal[p.clone()], shift);
-        out[p.clone()].iter_mut().step_by(every).zip(rows).for_each(|(out, row)| *out = row);
+        let values = later_every(every, &recording.t()[p.clone()], &signal[p.clone()], shift);
+        p.clone().step_by(every).zip(values).for_each(|(k, value)| see(k, value));
     }
-    out
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
-use super::input_timing::shifted_every;
+use super::input_timing::each_shifted;
 use super::smoothed::{Smooth, Smoothed};
 use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered};
 use crate::effects::{Motion, along};
@@ -199,17 +199,20 @@ impl<'a> Regression<'a> {
     /// ```
     #[must_use]
     pub fn square_at_shift(&self, shift: f64) -> f64 {
-        let (base, mut square, mut products) = (self.basis.ncols(), 0.0, vec![0.0; self.width]);
+        let mut changes = Vec::with_capacity(self.rows.len());
         for smooth in self.smoothed.recordings.iter() {
             let every = self.every(smooth.recording);
-            let shifted = shifted_every(every, smooth.recording, &smooth.input, shift);
-            for (row, k, i) in self.rows_of(smooth) {
-                let change = shifted[k][i] - smooth.input[k][i];
-                square += change * change;
-                let beside = &self.beside[row * self.width..][..self.width];
-                products.iter_mut().zip(beside).for_each(|(sum, b)| *sum += change * b);
-            }
+            // both in the order of the rows
+            let mut rows = self.rows_of(smooth).peekable();
+            each_shifted(every, smooth.recording, &smooth.input, shift, |k, torque| {
+                while let Some((_, _, i)) = rows.next_if(|row| row.1 == k) {
+                    changes.push(torque[i] - smooth.input[k][i]);
+                }
+            });
         }
+        let (base, mut products) = (self.basis.ncols(), vec![0.0; self.width]);
+        add_products((&changes, 1), (&self.beside, self.width), &mut products);
+        let square: f64 = changes.iter().map(|change| change * change).sum();
         let by_base: f64 = products[..base].iter().map(|product| product * product).sum();
         (self.residual_square() + 2.0 * products[base] + square - by_base).max(0.0)
     }

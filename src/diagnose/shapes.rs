@@ -30,9 +30,10 @@ const MOST: usize = 60;
 pub fn shapes_placed(model: &Model, train: &[Recording], hold: Hold) -> Model {
     let open: Vec<usize> =
         (0..model.effects().len()).filter(|&e| !free_shapes(model, e).is_empty()).collect();
-    let Some(p) = weak_form(model, train, hold).filter(|_| !open.is_empty()) else {
+    if open.is_empty() {
         return model.clone();
-    };
+    }
+    let Some(p) = weak_form(model, train, hold) else { return model.clone() };
     let recordings: Vec<&Recording> = train.iter().collect();
     let scale = scale_of(model, &p, &recordings);
     let windows = Windows::new(recordings, hold, model, &p);

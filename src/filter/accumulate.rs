@@ -8,6 +8,9 @@ use crate::math::{FILLED, add_products};
 const BLOCK: usize = 256;
 /// Columns up to which rows are multiplied one by one in the widest registers; beyond, as matrices.
 const SHORT: usize = 12;
+/// Columns of a matrix that are multiplied with those from the first of them on: the product is symmetric, so that the
+/// others are known.
+const PART: usize = 32;
 
 /// Information `H = Σ ψ ψ' / S` and score `g = Σ ψ e / S` of whitened innovations.
 #[derive(Clone, Debug)]
@@ -105,7 +108,12 @@ impl ScoreSums {
             add_products((rows, self.width), (rows, self.width), &mut self.sums);
         } else {
             let rows = nalgebra::DMatrixView::from_slice(rows, self.columns, self.count);
-            self.matrix.gemm(1.0, &rows, &rows.transpose(), 1.0);
+            let columns = rows.transpose();
+            for first in (0..self.columns).step_by(PART) {
+                let (left, own) = (self.columns - first, PART.min(self.columns - first));
+                let mut products = self.matrix.view_mut((first, first), (left, own));
+                products.gemm(1.0, &rows.rows(first, left), &columns.columns(first, own), 1.0);
+            }
         }
         self.count = 0;
     }
@@ -132,8 +140,8 @@ impl ScoreSums {
                 let row = &self.sums[c * self.width..];
                 (0..=c).for_each(|d| self.matrix[(c, d)] = row[d]);
             }
-            self.matrix.fill_upper_triangle_with_lower_triangle();
         }
+        self.matrix.fill_upper_triangle_with_lower_triangle();
         (self.matrix, self.score)
     }
 }
@@ -145,7 +153,7 @@ mod tests {
     #[test]
     fn short_and_long_rows_sum_up_alike_block_by_block() {
         let number = |k: usize| ((3 * k + 1) as f64).sin();
-        for columns in [0, 1, 6, 7, SHORT, SHORT + 5] {
+        for columns in [0, 1, 6, 7, SHORT, SHORT + 5, 2 * PART + 3] {
             let mut sums = ScoreSums::new(columns);
             let (mut h, mut g) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
             let mut taken = DVector::zeros(columns);

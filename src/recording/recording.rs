@@ -50,6 +50,8 @@ pub(super) struct Kept {
     pub(super) most_noise: OnceLock<MostNoise>,
     /// [`Recording::sensing`].
     pub(super) sensing: OnceLock<Sensing>,
+    /// [`Recording::top_speed`].
+    top_speed: OnceLock<f64>,
 }
 
 impl Recording {
@@ -182,12 +184,15 @@ impl Recording {
     pub(crate) fn reach(&self) -> usize {
         self.reach
     }
-    /// The 99 % quantile of the speed of the faster wheel [rad/s]: the speed scale of this recording.
+    /// The 99 % quantile of the speed of the faster wheel [rad/s]: the speed scale of this recording. Computed once.
     #[must_use]
     pub fn top_speed(&self) -> f64 {
-        let mut speeds: Vec<f64> = self.omega.iter().map(|w| w[0].abs().max(w[1].abs())).collect();
-        let place = (speeds.len() - 1) * 99 / 100;
-        speeds.select_nth_unstable_by(place, f64::total_cmp).1.max(1e-9)
+        *self.kept.top_speed.get_or_init(|| {
+            let faster = self.omega.iter().map(|w| w[0].abs().max(w[1].abs()));
+            let mut speeds: Vec<f64> = faster.collect();
+            let place = (speeds.len() - 1) * 99 / 100;
+            speeds.select_nth_unstable_by(place, f64::total_cmp).1.max(1e-9)
+        })
     }
     /// From the first to the last sample \[s\].
     #[must_use]

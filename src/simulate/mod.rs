@@ -26,6 +26,7 @@ mod variation;
 mod walk;
 
 pub use batch::ise_of_many;
+pub(crate) use batch::{Realisation, Speeds, speeds_of_realisations};
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, emulate};
 pub(crate) use forcing::LANES;

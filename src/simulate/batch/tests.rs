@@ -1,6 +1,9 @@
 //! Lanes against single simulations, and widths against each other.
 
+use super::super::simulate_windows;
+use super::realisations::SideBySide;
 use super::*;
+use crate::effects::BASE;
 use crate::math::every_width;
 use crate::robot::Robot;
 use rand::{Rng, SeedableRng};
@@ -88,4 +91,57 @@ fn models_with_further_effects_are_simulated_one_by_one() {
     let parameters = vec![model.initial(); 3];
     let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     compare(&model, &parameters, &input, State::default());
+}
+
+#[test]
+fn realisations_equal_windows_simulated_one_by_one() {
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+    let t = uneven(1500, &mut rng);
+    // eleven inputs and initial states: more than a register, and no whole number of them; one diverges
+    let torques: Vec<Vec<[f64; 2]>> = (0..11)
+        .map(|n| {
+            let size = if n == 4 { 1e9 } else { 1.0 };
+            let noise = |m: f64, rng: &mut rand_chacha::ChaCha8Rng| {
+                size * (m + 0.02 * rng.random_range(-1.0..1.0))
+            };
+            lively(&t).iter().map(|m| m.map(|m| noise(m, &mut rng))).collect()
+        })
+        .collect();
+    let windows = [0..300, 300..1000, 1000..1500];
+    let mut start = |_: i32| State { alpha: [0.0; 2], omega: [0.0, rng.random_range(-2.0..2.0)] };
+    let starts: Vec<[State; 3]> = (0..11).map(|_| [0; 3].map(&mut start)).collect();
+    let of = |(torque, starts)| Realisation { torque, starts };
+    let realisations: Vec<Realisation> =
+        torques.iter().map(|t| &t[..]).zip(starts.iter().map(|s| &s[..])).map(of).collect();
+    for hold in [Hold::Linear, Hold::Constant] {
+        let all = SideBySide {
+            model: &model,
+            p: &p,
+            t: &t,
+            hold,
+            windows: &windows,
+            realisations: &realisations,
+        };
+        let found = in_lanes(all).unwrap();
+        for arch in every_width() {
+            let same = arch.dispatch(all).unwrap();
+            assert_eq!(format!("{same:?}"), format!("{found:?}"));
+        }
+        for (one, found) in realisations.iter().zip(&found) {
+            let input = Input { t: &t, torque: one.torque, hold };
+            let windows: Vec<_> = windows.iter().cloned().zip(one.starts.iter().copied()).collect();
+            let states = simulate_windows(&model, &p, &input, t[0], &windows).unwrap();
+            let speeds = states.iter().flatten().map(|state| state.omega);
+            assert_eq!(found.len(), t.len());
+            for (a, b) in found.iter().zip(speeds) {
+                for i in 0..2 {
+                    // rounding, carried on by free wheels
+                    let close = (a[i] - b[i]).abs() < 1e-9 || a[i].is_nan() && b[i].is_nan();
+                    assert!(close, "{a:?} {b:?}");
+                }
+            }
+        }
+    }
 }
