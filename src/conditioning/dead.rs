@@ -10,7 +10,8 @@
 //! c2: Coulomb friction, of which static friction is at most about twice; s: residual of the fit; S: input at which the
 //! wheel started from its other rests (lower quartile). If a speed other than zero is repeated, M' is taken relative to its
 //! mean in the stretch, and F = 3 s. The rows are left out if that motion is well above the resolution for longer than
-//! dead time explains. Motion in both directions excludes a wall.
+//! dead time explains. Motion in both directions excludes a wall. So are they if the wheel stops and starts again at speed within three rows, with three
+//! times the change of speed of any other three rows, whatever the input.
 
 use std::ops::Range;
 
@@ -37,6 +38,8 @@ const WINDOWS: usize = 30;
 const STATIC: f64 = 2.0;
 /// Standard deviations of the fit that no motion is inferred from.
 const SURE: f64 = 3.0;
+/// Rows to either side of a stretch at which speeds do not contain its samples.
+const BESIDE: usize = 3;
 /// Share of the top speed below which a wheel counts as slow.
 const SLOW: f64 = 0.1;
 /// Steps of a sensor that the computed motion must exceed.
@@ -154,10 +157,33 @@ impl<'a> Log<'a> {
         let stretch = |(k, rows): (usize, &Range<usize>)| {
             let others = inputs.iter().enumerate().filter(|(j, _)| *j != k);
             let starts = quantile(others.filter_map(|(_, input)| *input), 0.25);
-            let or_blocked = self.moves(&load, i, rows, starts)?;
+            let at_once = self.stops_and_starts_at_once(i, rows, SLOW * load.top);
+            let or_blocked = if at_once { false } else { self.moves(&load, i, rows, starts)? };
             Some(Stretch { rows: rows.clone(), or_blocked })
         };
         judged.filter_map(stretch).collect()
+    }
+
+    /// Whether the speed of a wheel, faster than `slow` on both sides of a stretch, falls to zero and returns within a few rows,
+    /// by more than in as many rows anywhere else: no torque of the log does this, but a sensor that fails and returns.
+    fn stops_and_starts_at_once(&self, i: usize, rows: &Range<usize>, slow: f64) -> bool {
+        let Some(piece) = self.pieces.iter().find(|p| p.contains(&rows.start)) else {
+            return false;
+        };
+        let sides = [rows.start.checked_sub(BESIDE), Some(rows.end - 1 + BESIDE)];
+        let beside =
+            |k: Option<usize>| k.filter(|k| piece.contains(k)).map(|k| self.omega[k][i].abs());
+        let [Some(before), Some(after)] = sides.map(beside) else { return false };
+        let inside = |k: &usize| {
+            !self.rests[i].iter().any(|rest| {
+                self.is_long(rest) && k + BESIDE > rest.start && *k <= rest.end + BESIDE
+            })
+        };
+        let changes = (piece.start..piece.end.saturating_sub(BESIDE)).filter(inside);
+        let changes = changes.map(|k| (self.omega[k + BESIDE][i] - self.omega[k][i]).abs());
+        let usual = quantile(changes, 0.999);
+        let sudden = |speed: f64| speed > slow && speed > SURE * usual;
+        usual > 0.0 && sudden(before) && sudden(after)
     }
 
     /// The input of a wheel as it starts from a rest, if it does.
