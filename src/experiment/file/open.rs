@@ -50,7 +50,8 @@ fn wanted(key: &str) -> &'static str {
             "the factor on the values, with its sign; the comments above list the possibilities"
         }
         "sign" => {
-            "the name of the column with the direction, or remove `sign` if the values are signed"
+            "the name of the column with the direction, or remove `sign` if the values are signed; without \
+             a direction, sign_from_speed = true under [conditioning] gives them the sign of the speed (wrong while braking)"
         }
         "backward" => "the content of the direction column for negative values, in quotes",
         "period" => "the sampling period [s], or t = \"…\" with the name of the time column",
