@@ -41,7 +41,8 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
             angular || matches!(unit, "m/s" | "cm/s" | "mm/s" | "km/h")
         }
         "M1" | "M2" => {
-            let torque = matches!(unit, "mN m" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
+            let torque =
+                matches!(unit, "mN m" | "N mm" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
             torque || matches!(unit, "mA" | "mV")
         }
         _ => true,
@@ -109,7 +110,7 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     electrical::currents(columns, guess);
     let inputs = guess.columns.iter().filter(|c| c.key.starts_with('M'));
-    let top = inputs.map(|c| largest(of(&c.name))).fold(0.0, f64::max);
+    let top = inputs.map(|c| c.scale.unwrap_or(1.0) * largest(of(&c.name))).fold(0.0, f64::max);
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {
