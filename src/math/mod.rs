@@ -51,7 +51,7 @@ pub(crate) use moments::{Line, Moments, mean, rms};
 pub use nonnegative::nonnegative;
 pub(crate) use normal_equations::{FewCoefficients, NormalEquations, scaled_inverse};
 pub(crate) use order::trimmed_mean_square;
-pub use order::{median, median_high, quantile, quantile_of_sorted, robust_deviation};
+pub use order::{median, median_high, median_step, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use rounding::{round_decimals, round_significant};
