@@ -166,7 +166,13 @@ pub(super) fn assembled(
     let twice = copies(&recordings).into_iter();
     let twice = twice.map(|(j, k)| Remark::Twice { name: name_of(k), other: name_of(j) });
     let proportions = proportions(&model, &recordings);
-    let remarks = no_track.into_iter().chain(proportions).chain(opposed).chain(without).chain(twice).collect();
+    let remarks = no_track
+        .into_iter()
+        .chain(proportions)
+        .chain(opposed)
+        .chain(without)
+        .chain(twice)
+        .collect();
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
         name: name.to_owned(),
