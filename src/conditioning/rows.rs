@@ -5,9 +5,8 @@ use super::cells::{columns, keep};
 use super::clock;
 use super::finding::{Channel, Finding, Kind};
 use super::jitter;
-use super::signal::{is_increasing, median_high};
+use super::signal::{is_increasing, median_high, median_step};
 use super::{Conditioned, Context, FEWEST_ROWS, Settings};
-use crate::math::median_step;
 
 /// A column that lacks more than this share of its values is slower than the rows, not damaged:
 /// lost messages leave a few gaps, a slow sensor leaves most rows empty.

@@ -14,6 +14,7 @@ pub mod filter;
 mod formula;
 mod information;
 mod integral;
+mod interpolation;
 mod lanes;
 pub mod least_squares;
 mod log_product;
@@ -42,6 +43,7 @@ pub use expression::{Expression, ExpressionError};
 pub use formula::{Formula, Node};
 pub use information::{Information, eliminate};
 pub use integral::{cumulative_trapezoid, trapezoid};
+pub use interpolation::{interpolate, interpolate_wheels};
 #[cfg(test)]
 pub(crate) use lanes::every_width;
 pub(crate) use lanes::{Lanes, Mask, are_wide, in_lanes};

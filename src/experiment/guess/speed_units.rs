@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::guessed::{Guess, Guessed};
 use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, named};
-use super::values::{seconds, values_of};
+use super::times::seconds;
+use super::values::values_of;
 use crate::io::PreviewColumn;
 use crate::math::quantile;
 
