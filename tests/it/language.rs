@@ -8,7 +8,7 @@ use amigo_ident::{effects, identify};
 use crate::prose::prose;
 
 /// Phrases that are refused, in lower case, and what is written instead. Words count as a whole.
-const REFUSED: [(&str, &str); 82] = [
+const REFUSED: [(&str, &str); 83] = [
     ("missing moment", "residual torque"),
     ("missing moments", "residual torques"),
     ("motor moment", "motor torque"),

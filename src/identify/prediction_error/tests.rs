@@ -5,7 +5,6 @@ use rand_distr::Distribution;
 
 use super::*;
 use crate::model::Model;
-use crate::model::base::A4;
 use crate::model::base::{A1, A3, A4};
 use crate::recording::{Channels, DriveUnit};
 use crate::robot::{Robot, State};

@@ -79,7 +79,7 @@ mod tests {
         let parameter = |symbol: &str, value: f64| ParameterStudy {
             effect: "torque_offset".into(),
             meaning: String::new(),
-            estimate: Estimate::new(symbol, "N m", value, 4e-4),
+            estimate: Estimate::new(symbol, "N m".into(), value, 4e-4),
         };
         let parameters = [parameter("o1", 0.0201), parameter("o2", -0.0153)];
         let finding = |i: usize, mean: f64| Finding {
