@@ -183,6 +183,7 @@ fn longest_increasing(t: &[f64]) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::recording::Channels;
+    use rand::{Rng, SeedableRng};
 
     fn work(t: Vec<f64>) -> Conditioned {
         let torque = t.iter().map(|t| [*t, 0.0]).collect();
@@ -254,27 +255,25 @@ mod tests {
 
     #[test]
     fn late_rows_with_equal_stamps_keep_their_places() {
-        // delays of a receiver with exponential tails, half a row on average, that never change the order
-        let late = |k: usize| {
-            let draw = ((k * 7919) % 10_007) as f64 / 10_007.0;
-            -0.004 * (1.0 - draw).ln()
-        };
+        // delays of a receiver with exponential tails, a fifth of a row on average, that never change the order
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let mut stamp = 0.0_f64;
         let t: Vec<f64> = (0..2000)
             .map(|k| {
-                stamp = stamp.max(0.01 * k as f64 + late(k));
+                stamp = stamp.max(0.01 * k as f64 - 0.002 * (1.0 - rng.random::<f64>()).ln());
                 stamp
             })
             .collect();
-        assert!(t.windows(2).filter(|w| w[0] == w[1]).count() > 20);
+        assert!(t.windows(2).any(|w| w[0] == w[1]));
         let mut w = work(t);
         let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
         w.channels.alpha = Some(even(2000).into_iter().map(motion).collect());
         times(&mut w, &Settings::default(), &Context::default());
         assert!(matches!(w.findings[..], [Finding { kind: Kind::Jitter { .. }, .. }]));
-        // 4 ms late on average; the ends of a line through a hundred stamps that scatter by as much
+        assert_eq!(w.channels.t.len(), 2000);
+        // 2 ms late on average; the ends of a line through a hundred stamps that scatter by as much
         for (found, is) in w.channels.t.iter().zip(even(2000)) {
-            assert!((found - is - 0.004).abs() < 2.5e-3, "{found} {is}");
+            assert!((found - is - 0.002).abs() < 1.2e-3, "{found} {is}");
         }
     }
 

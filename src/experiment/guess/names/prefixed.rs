@@ -43,7 +43,10 @@ fn take_letter(name: &str, words: &mut Vec<String>) -> Option<f64> {
     let k = words.windows(parts.len()).rposition(|w| w == parts)?;
     let mut others = words.clone();
     others.drain(k..k + parts.len());
-    let stated = take_quantity(&mut others.clone()).map(|(stated, _)| stated);
+    // `i_right` is a current as `i` is
+    let without_side = others.iter().filter(|w| crate::io::side(w).is_none());
+    let mut without_side: Vec<String> = without_side.cloned().collect();
+    let stated = take_quantity(&mut without_side).map(|(stated, _)| stated);
     (of == Quantity::Torque || stated == Some(of)).then(|| {
         others.push(unit.into());
         *words = others;
