@@ -130,7 +130,7 @@ fn intervals() -> Figure {
         upper: if x > 450.0 { f64::INFINITY } else { 0.02 + 2.0 / x },
     });
     let panel = Panel::new(Axis::log("samples", ""), Axis::linear("a₄", "N m"))
-        .with(Layer::hline(0.02, "truth", ColourRole::Ink))
+        .with(Layer::hline(0.02, "true value", ColourRole::Ink))
         .with(Layer::ErrorBars {
             points: points.collect(),
             label: "estimate with 95 % interval".into(),
@@ -285,7 +285,7 @@ fn verdict() -> Vec<Block> {
         ),
         Block::verdict(
             Tone::Notice,
-            "The data cannot tell a4 from a5.",
+            "a4 and a5 are indistinguishable from these data.",
             "Rank 4 of 5; record a turn.",
         ),
         Block::verdict(Tone::Good, "The wheels' encoders agree with the noise model.", ""),

@@ -12,7 +12,7 @@ impl Physics for ExtensionProbe {
         Description {
             id: "extension_probe".into(),
             title: "cubic drag".into(),
-            equation: "k_probe w^3 on each wheel".into(),
+            equation: "k_probe1 w1^3, k_probe2 w2^3".into(),
             cause: "none: a test of the recipe".into(),
             signature: "residual torque that grows with the cube of the wheel speed".into(),
             excitation: "fast and slow driving".into(),
@@ -22,7 +22,8 @@ impl Physics for ExtensionProbe {
 
     fn parameters(&self) -> Vec<ParameterSpec> {
         let unit = "N m s^3/rad^3";
-        vec![ParameterSpec::linear("k_probe", "drag coefficient", unit, (0.0, 1.0), 1e-5)]
+        let of = |symbol| ParameterSpec::linear(symbol, "drag coefficient", unit, (0.0, 1.0), 1e-5);
+        vec![of("k_probe1"), of("k_probe2")]
     }
 
     fn energy(&self) -> Energy {
@@ -30,6 +31,9 @@ impl Physics for ExtensionProbe {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        Terms { torque: x.omega.map(|w| p[0] * w * w * w), ..Terms::zero() }
+        Terms {
+            torque: [0, 1].map(|i| p[i] * x.omega[i] * x.omega[i] * x.omega[i]),
+            ..Terms::zero()
+        }
     }
 }

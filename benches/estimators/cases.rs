@@ -5,6 +5,7 @@ use std::path::Path;
 
 use amigo_ident::experiment;
 use amigo_ident::model::Model;
+use amigo_ident::model::base::A4;
 use amigo_ident::recording::Recording;
 use amigo_ident::robot::{Robot, presets};
 use amigo_ident::simulate::{Movement, NoiseLevel, Recorder, record};
@@ -46,7 +47,7 @@ fn of_preset(n: usize, seed: u64) -> Case {
     let model = Model::base(robot);
     let truth = model.initial();
     let noise =
-        NoiseLevel { dalpha: SPEED_NOISE, alpha: ANGLE_NOISE, torque: TORQUE_NOISE * truth[3] };
+        NoiseLevel { dalpha: SPEED_NOISE, alpha: ANGLE_NOISE, torque: TORQUE_NOISE * truth[A4] };
     let rate = if seed.is_multiple_of(2) { 100.0 } else { 200.0 };
     let mut recordings: Vec<Recording> = (0..RECORDINGS)
         .map(|r| {

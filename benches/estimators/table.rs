@@ -72,7 +72,7 @@ pub(crate) fn print(method: &str, rows: &[Row]) {
     let mut robots: Vec<&str> = rows.iter().map(|r| r.robot.as_str()).collect();
     robots.sort_unstable();
     robots.dedup();
-    println!("{method}: covered of 95 % intervals, rms z, 2 s error over that of the truth");
+    println!("{method}: covered of 95 % intervals, rms z, 2 s error over that of the true values");
     println!(
         "robot              sets | covered a1 .. a5 [%]      | rms z a1 .. a5                | mean   90 %   max   | s/fit"
     );

@@ -48,7 +48,7 @@ fn cells(group: &[&Outcome]) -> Vec<String> {
     out
 }
 
-/// Root mean square of (estimate - truth)/standard error.
+/// Root mean square of (estimate - true value)/standard error.
 fn scatter(estimates: &[&Covered]) -> String {
     let z: Vec<f64> = estimates
         .iter()

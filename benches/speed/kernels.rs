@@ -1,5 +1,6 @@
 //! Straight-line code for the same simulations, as a reference for the least work that they need.
 
+use amigo_ident::model::base::{A1, A2, A3, A4, A5};
 use amigo_ident::recording::Recording;
 use nalgebra::{SMatrix, SVector};
 
@@ -8,7 +9,7 @@ use super::work::BASE;
 /// Equation (14) as straight-line code, by the semi-implicit rule (speeds first, angles from the new
 /// speeds), with friction by the sign of the speed. Returns the ISE.
 pub(crate) fn kernel(p: &[f64], recording: &Recording) -> f64 {
-    let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
+    let [a1, a2, a3, a4, a5] = [p[A1], p[A2], p[A3], p[A4], p[A5]];
     let inverse = 1.0 / (a1 * a1 - a2 * a2);
     let (t, torque, measured) = (recording.t(), recording.torque(), recording.omega());
     let (mut alpha, mut w, mut sum) = ([0.0; 2], [0.0_f64; 2], 0.0);
@@ -34,7 +35,7 @@ pub(crate) fn kernel_of_fourth_order(p: &[f64], recording: &Recording) -> f64 {
 /// Calls `see` with every row, the step before it and the error of the speeds there.
 #[inline]
 fn by_fourth_order(p: &[f64], recording: &Recording, mut see: impl FnMut(usize, f64, [f64; 2])) {
-    let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
+    let [a1, a2, a3, a4, a5] = [p[A1], p[A2], p[A3], p[A4], p[A5]];
     let inverse = 1.0 / (a1 * a1 - a2 * a2);
     let (t, torque, measured) = (recording.t(), recording.torque(), recording.omega());
     let mut w = [0.0_f64; 2];
@@ -53,7 +54,7 @@ fn by_fourth_order(p: &[f64], recording: &Recording, mut see: impl FnMut(usize, 
 
 /// The same with the eight effects of [`super::ADDED`].
 pub(crate) fn kernel_of_eight(p: &[f64], recording: &Recording) -> f64 {
-    let [a1, a2, a3, a4, a5] = [p[0], p[1], p[2], p[3], p[4]];
+    let [a1, a2, a3, a4, a5] = [p[A1], p[A2], p[A3], p[A4], p[A5]];
     let (viscous, offset, scrub, drag) = (p[5], [p[6], p[7]], p[8], p[9]);
     let (yaw, caster, lateral) = (p[10], p[11], p[12]);
     let (above, width) = ([p[13] + p[15], p[13] - p[15]], 1.0 / (p[14] * p[14]));

@@ -18,6 +18,7 @@ use super::cells::{column, columns, keep, put};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, median_high};
 use super::{Conditioned, Context, Settings};
+use crate::math::interpolate;
 use crate::recording::{Channels, REGULAR, refreshed};
 
 /// A channel, and in which rows it has a sample.
@@ -189,11 +190,14 @@ fn between(t: &[f64], values: &[f64], own: &[bool], most: f64) -> Vec<f64> {
     let samples: Vec<usize> = (0..t.len()).filter(|&k| own[k]).collect();
     for w in samples.windows(2) {
         let (from, to) = (w[0], w[1]);
-        let (rise, time) = (values[to] - values[from], t[to] - t[from]);
+        let (ends, rise) = ([t[from], t[to]], (values[to] - values[from]).abs());
+        let is_line = t[to] > t[from] && rise <= most;
         for k in from..to {
-            let share =
-                if time > 0.0 && rise.abs() <= most { (t[k] - t[from]) / time } else { 0.0 };
-            out[k] = values[from] + share * rise;
+            out[k] = if is_line {
+                interpolate(ends, [values[from], values[to]], t[k])
+            } else {
+                values[from]
+            };
         }
     }
     if let Some(&last) = samples.last() {

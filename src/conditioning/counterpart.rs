@@ -8,7 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{column, median_high, pieces, quantile};
+use super::signal::{column, median_high, median_step, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 
 /// Length of a window \[s\], and its rows at least: long enough for the steps of an encoder to be
@@ -45,7 +45,7 @@ pub(super) fn units_and_signs(work: &mut Conditioned, settings: &Settings, conte
 fn ratio(work: &Conditioned, i: usize) -> Option<f64> {
     let (t, c) = (&work.channels.t, &work.channels);
     let (alpha, omega) = (column(c.alpha.as_ref()?, i), column(c.omega.as_ref()?, i));
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(t);
     let length = ((WINDOW.0 / step).round() as usize).clamp(WINDOW.1, t.len());
     let mut pairs = Vec::new();
     for piece in pieces(t) {

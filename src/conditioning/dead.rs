@@ -21,7 +21,7 @@ use super::cells::keep;
 use super::error::ConditioningError;
 use super::finding::{Channel, Finding, Kind, WHEELS};
 use super::input::speeds;
-use super::signal::{column, median_high, pieces, quantile};
+use super::signal::{column, median_step, pieces, quantile};
 use super::{Conditioned, Settings};
 use crate::math::noise::smallest_change;
 use crate::math::{fit, mean, runs, sgn};
@@ -115,7 +115,7 @@ struct Log<'a> {
 impl<'a> Log<'a> {
     fn new(work: &'a Conditioned, omega: &'a [[f64; 2]]) -> Self {
         let t = &work.channels.t;
-        let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+        let step = median_step(t);
         let pieces = pieces(t);
         let rests = [0, 1].map(|i| constant(work, i, step, &pieces));
         Self { work, omega, step, pieces, rests }

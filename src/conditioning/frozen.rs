@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::cells::keep;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, column, median_high, quantile};
+use super::signal::{changes, column, median_high, median_step, quantile};
 use super::{Conditioned, Settings};
 
 /// Ratio of the angle of a value kept at rest to that of nine in ten others.
@@ -54,7 +54,7 @@ fn frozen(work: &Conditioned, i: usize) -> Vec<Range<usize>> {
     let starts = changes(&speed);
     let ends = starts.iter().skip(1).copied().chain([t.len()]);
     let runs: Vec<Range<usize>> = starts.iter().copied().zip(ends).map(|(a, b)| a..b).collect();
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(t);
     let turned =
         |run: &Range<usize>| speed[run.start].abs() * (t[run.end - 1] - t[run.start] + step);
     let moving = || runs.iter().filter(|run| speed[run.start] != 0.0);

@@ -2,7 +2,7 @@
 
 use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{FEW_LEVELS, column, levels, median_high, quantile};
+use super::signal::{FEW_LEVELS, column, levels, median_step, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::Moments;
 use crate::recording::never_moves;
@@ -86,7 +86,7 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
 
 /// Of these rows of backward motion those in which the wheel gains speed most steeply.
 fn gaining(t: &[f64], speed: &[f64], backward: &[usize]) -> Vec<usize> {
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(t);
     let half = ((RISE.0 / step).round() as usize).max(RISE.1);
     let rise = |k: usize| {
         let (from, to) = (k.saturating_sub(half), (k + half).min(t.len() - 1));

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{is_increasing, median_high, pieces};
+use super::signal::{is_increasing, median_step, pieces};
 use super::{Conditioned, Context, Settings};
 use crate::math::{Moments, rms};
 
@@ -55,7 +55,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
 /// The scatter of the stamps `t` about even times as a share of a row; `None` if it is negligible, or so large that a row
 /// cannot be distinguished from the next.
 fn share_of_scatter(t: &[f64], even: &[f64]) -> Option<f64> {
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(t);
     let off: Vec<f64> = t.iter().zip(even).map(|(t, even)| (t - even) / step).collect();
     let share = rms(off.iter().copied());
     let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
@@ -87,7 +87,7 @@ fn in_batches(work: &mut Conditioned) -> bool {
 
 /// The even times of a piece: rows counted by a clock that follows the stamps slowly, on a line through those around.
 fn even(t: &[f64]) -> Vec<f64> {
-    let h = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let h = median_step(t);
     if t.len() <= 2 || !(h > 0.0) {
         return t.to_vec();
     }

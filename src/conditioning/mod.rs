@@ -102,7 +102,7 @@ pub fn condition(
 ) -> Result<Conditioned, ConditioningError> {
     let mut work = Conditioned { channels, findings: vec![] };
     rows::values(&mut work, settings, context);
-    rows::times(&mut work, settings);
+    rows::times(&mut work, settings, context);
     let t = &work.channels.t;
     if t.len() < FEWEST_ROWS || !signal::is_increasing(t) {
         return Ok(work); // the check of the recording reports a recording that is too short, or a time that does not increase

@@ -4,8 +4,9 @@ use super::align::{Cells, align, without_slow_pair};
 use super::cells::{columns, keep};
 use super::clock;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{is_increasing, median_high};
-use super::{Conditioned, Context, Settings};
+use super::jitter;
+use super::signal::{is_increasing, median_high, median_step};
+use super::{Conditioned, Context, FEWEST_ROWS, Settings};
 
 /// A column that lacks more than this share of its values is slower than the rows, not damaged:
 /// lost messages leave a few gaps, a slow sensor leaves most rows empty.
@@ -51,16 +52,17 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
 }
 
 /// Makes time increase: rows after a restart of the clock are moved behind a gap, those within a tick of a coarse
-/// clock are spread over it; of the others the longest strictly increasing sequence stays, so that one wrong time
-/// stamp removes only one row, whether it is too early or too late.
-pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
+/// clock are spread over it, and late rows that a receiver stamped alike are put on even times; of the others the longest
+/// strictly increasing sequence stays, so that one wrong time stamp removes only one row, whether it is too early or
+/// too late.
+pub(super) fn times(work: &mut Conditioned, settings: &Settings, context: &Context) {
     let finite = work.channels.t.iter().all(|t| t.is_finite());
     if !settings.rows || !finite || is_increasing(&work.channels.t) {
         return;
     }
     restarts(work);
     clock::coarse(work);
-    if is_increasing(&work.channels.t) {
+    if is_increasing(&work.channels.t) || received_at_once(work, settings, context) {
         return;
     }
     let flags = longest_increasing(&work.channels.t);
@@ -73,6 +75,44 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings) {
     keep(&mut work.channels, &flags);
     let kind = Kind::TimeRows { rows, first };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
+/// Part of a step between rows with equal stamps while even times are sought: small against the delays of a receiver.
+const APART: f64 = 1e-3;
+
+/// Puts rows on even times of which a receiver stamped some alike, because the earlier of them was late; whether it did.
+/// A copy of the row before is no row of its own and is left out.
+fn received_at_once(work: &mut Conditioned, settings: &Settings, context: &Context) -> bool {
+    let t = &work.channels.t;
+    if t.windows(2).any(|w| w[1] < w[0]) {
+        return false;
+    }
+    let channels = columns(&work.channels);
+    let is_copy = |k: usize| k > 0 && channels.iter().all(|(_, v)| v[k] == v[k - 1]);
+    let flags: Vec<bool> = (0..t.len()).map(|k| !is_copy(k)).collect();
+    let mut trial = work.clone();
+    keep(&mut trial.channels, &flags);
+    let apart = APART * median_step(&trial.channels.t);
+    let t = &mut trial.channels.t;
+    if t.len() < FEWEST_ROWS || !(apart > 0.0) {
+        return false;
+    }
+    (1..t.len()).for_each(|k| t[k] = t[k].max(t[k - 1] + apart));
+    let before = trial.findings.len();
+    if let Some(first) = flags.iter().position(|f| !f) {
+        let rows = flags.iter().filter(|f| !**f).count();
+        let kind = Kind::TimeRows { rows, first: first + 1 };
+        trial.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+    }
+    jitter::even_times(&mut trial, settings, context);
+    let is_even = matches!(
+        trial.findings[before..].last().map(|f| f.kind),
+        Some(Kind::Jitter { .. } | Kind::Batches { .. })
+    );
+    if is_even {
+        *work = trial;
+    }
+    is_even
 }
 
 /// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds; a day, half a
@@ -143,6 +183,7 @@ fn longest_increasing(t: &[f64]) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::recording::Channels;
+    use rand::{Rng, SeedableRng};
 
     fn work(t: Vec<f64>) -> Conditioned {
         let torque = t.iter().map(|t| [*t, 0.0]).collect();
@@ -160,7 +201,7 @@ mod tests {
             let mut t = even(200);
             t[50] = wrong;
             let mut w = work(t);
-            times(&mut w, &Settings::default());
+            times(&mut w, &Settings::default(), &Context::default());
             let expected = if wrong == 0.50 { 0 } else { 1 };
             assert_eq!(w.channels.t.len(), 200 - expected, "{wrong}");
             assert_eq!(w.findings.len(), expected);
@@ -172,7 +213,7 @@ mod tests {
     fn a_clock_that_was_restarted_goes_on_behind_a_gap() {
         let t: Vec<f64> = even(100).into_iter().chain(even(80)).collect();
         let mut w = work(t);
-        times(&mut w, &Settings::default());
+        times(&mut w, &Settings::default(), &Context::default());
         assert!(matches!(
             w.findings[..],
             [Finding { kind: Kind::ClockRestart { count: 1, row: 101, .. }, .. }]
@@ -188,7 +229,7 @@ mod tests {
         for (from, period) in [(60_000, 65_536), (86_390_000, 86_400_000)] {
             let t = (0..1000).map(|k| 1e-3 * f64::from((from + 20 * k) % period)).collect();
             let mut w = work(t);
-            times(&mut w, &Settings::default());
+            times(&mut w, &Settings::default(), &Context::default());
             assert!(matches!(
                 w.findings[..],
                 [Finding { kind: Kind::ClockWrap { count: 1, .. }, .. }]
@@ -213,9 +254,33 @@ mod tests {
     }
 
     #[test]
+    fn late_rows_with_equal_stamps_keep_their_places() {
+        // delays of a receiver with exponential tails, a fifth of a row on average, that never change the order
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut stamp = 0.0_f64;
+        let t: Vec<f64> = (0..2000)
+            .map(|k| {
+                stamp = stamp.max(0.01 * k as f64 - 0.002 * (1.0 - rng.random::<f64>()).ln());
+                stamp
+            })
+            .collect();
+        assert!(t.windows(2).any(|w| w[0] == w[1]));
+        let mut w = work(t);
+        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
+        w.channels.alpha = Some(even(2000).into_iter().map(motion).collect());
+        times(&mut w, &Settings::default(), &Context::default());
+        assert!(matches!(w.findings[..], [Finding { kind: Kind::Jitter { .. }, .. }]));
+        assert_eq!(w.channels.t.len(), 2000);
+        // 2 ms late on average; the ends of a line through a hundred stamps that scatter by as much
+        for (found, is) in w.channels.t.iter().zip(even(2000)) {
+            assert!((found - is - 0.002).abs() < 1.2e-3, "{found} {is}");
+        }
+    }
+
+    #[test]
     fn increasing_times_are_not_touched() {
         let mut w = work(even(100));
-        times(&mut w, &Settings::default());
+        times(&mut w, &Settings::default(), &Context::default());
         assert!(w.findings.is_empty() && w.channels.t == even(100));
     }
 }

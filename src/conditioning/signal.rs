@@ -1,7 +1,7 @@
 //! Statistics of a signal that several steps use.
 
 use crate::math::noise::white_noise_variance;
-pub(super) use crate::math::{median_high, quantile};
+pub(super) use crate::math::{median_high, median_step, quantile};
 pub(super) use crate::recording::{FEW_LEVELS, pieces};
 
 /// One wheel of a pair of columns.

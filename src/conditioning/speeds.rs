@@ -23,10 +23,11 @@ pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
 use self::lag::{SMALL, SURE, pooled};
 pub use self::of_angle::common_share;
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{changes, column, median_high, noise_variance, pieces};
+use super::signal::{changes, column, median_step, noise_variance, pieces};
 use super::{Conditioned, Context, Settings};
 use crate::math::{
-    Line, NormalEquations, cumulative_trapezoid, quantile, robust_deviation, trimmed_mean_square,
+    Line, NormalEquations, cumulative_trapezoid, interpolate, quantile, robust_deviation,
+    trimmed_mean_square,
 };
 use crate::recording::RESOLVED;
 
@@ -160,7 +161,7 @@ fn samples(work: &Conditioned, i: usize) -> Option<Samples> {
     let rows = if all { (0..c.t.len()).collect() } else { rows };
     let t: Vec<f64> = rows.iter().map(|&k| c.t[k]).collect();
     let of = |v: &[f64]| rows.iter().map(|&k| v[k]).collect();
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(&t);
     Some(Samples { alpha: of(&alpha), omega: of(&omega), pieces: pieces(&t), step, t, all })
 }
 
@@ -272,7 +273,7 @@ fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
     let next = s.t[piece.clone()].partition_point(|x| *x <= t) + piece.start;
     let j = next.checked_sub(1).filter(|j| *j >= piece.start && next < piece.end)?;
     let (h, share) = (s.t[next] - s.t[j], (t - s.t[j]) / (s.t[next] - s.t[j]));
-    let omega = s.omega[j] + share * (s.omega[next] - s.omega[j]);
+    let omega = interpolate([s.t[j], s.t[next]], [s.omega[j], s.omega[next]], t);
     Some((way[j] + 0.5 * share * h * (s.omega[j] + omega), omega))
 }
 
@@ -288,7 +289,7 @@ fn angles_suffice(s: &Samples, lag: f64) -> bool {
 /// so that the noise of each speed stays its own.
 fn advance(work: &mut Conditioned, lag: f64, full_rate: bool) {
     let t = work.channels.t.clone();
-    let step = median_high(t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(&t);
     let rows = (lag / step).round() as isize;
     // between the values of a slow sensor there is no slope
     let rest = if full_rate { lag - rows as f64 * step } else { 0.0 };

@@ -20,7 +20,7 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::quantum;
-use crate::math::{NormalEquations, cumulative_trapezoid, robust_deviation};
+use crate::math::{NormalEquations, cumulative_trapezoid, interpolate, robust_deviation};
 use crate::recording::{refreshed, steps_before};
 
 /// See above.
@@ -117,8 +117,7 @@ fn of_angle(t: &[f64], mut values: Vec<f64>, samples: &[usize]) -> Vec<Spike> {
     for rows in excursions(&values).into_iter().filter(within) {
         let (before, after) = (rows.start - 1, rows.end);
         for k in rows {
-            let share = (t[k] - t[before]) / (t[after] - t[before]);
-            let value = values[before] + share * (values[after] - values[before]);
+            let value = interpolate([t[before], t[after]], [values[before], values[after]], t[k]);
             out.push(Spike { rows: k..k + 1, value, out: values[k] - value });
             values[k] = value;
         }
@@ -138,8 +137,7 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     let out: Vec<f64> = samples
         .windows(3)
         .map(|w| {
-            let share = (t[w[1]] - t[w[0]]) / (t[w[2]] - t[w[0]]);
-            let line = values[w[0]] + share * (values[w[2]] - values[w[0]]);
+            let line = interpolate([t[w[0]], t[w[2]]], [values[w[0]], values[w[2]]], t[w[1]]);
             if piece(w[0]) == piece(w[2]) { values[w[1]] - line } else { 0.0 }
         })
         .collect();

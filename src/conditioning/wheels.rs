@@ -11,7 +11,7 @@
 
 use super::finding::{Channel, Finding, Kind};
 use super::input::speeds;
-use super::signal::{median_high, pieces};
+use super::signal::{median_step, pieces};
 use super::{Conditioned, Settings};
 use crate::recording::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, short_windows_of, windows_of,
@@ -101,7 +101,7 @@ fn windows_by(work: &Conditioned, windows_of: fn(&View) -> Vec<Window>) -> Vec<W
     let c = &work.channels;
     let Some(omega) = speeds(work) else { return vec![] };
     let alpha = c.alpha.as_ref().unwrap_or(&omega);
-    let step = median_high(c.t.windows(2).map(|w| w[1] - w[0]));
+    let step = median_step(&c.t);
     let pieces = pieces(&c.t);
     let (t, torque, refresh) = (&c.t, &c.torque, 1);
     windows_of(&View { t, alpha, omega: &omega, torque, pieces: &pieces, step, refresh })

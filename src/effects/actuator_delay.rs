@@ -1,7 +1,7 @@
 //! Pure delay between the recorded torque and the wheel.
 
 use super::{Change, Description, Energy, ParameterSpec, Physics, Scale, geometric};
-use crate::math::Real;
+use crate::math::{Real, interpolate_wheels};
 
 /// The torque acts later than it was recorded.
 ///
@@ -66,8 +66,7 @@ impl Physics for ActuatorDelay {
             if k == last || at.value() <= t[0] {
                 return m[k];
             }
-            let share = (at - T::from(t[k])) / (t[k + 1] - t[k]);
-            [0, 1].map(|i| m[k][i] + share * (m[k + 1][i] - m[k][i]))
+            interpolate_wheels([t[k], t[k + 1]], [m[k], m[k + 1]], at)
         });
         Some(delayed.collect())
     }

@@ -12,6 +12,7 @@ use super::robot_table::has_no_track;
 use crate::effects;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
+use crate::recording::{Lacking, Recording, lacking};
 use crate::robot::Robot;
 use crate::simulate::Gain;
 use crate::study::Role;
@@ -164,7 +165,14 @@ pub(super) fn assembled(
     let name_of = |k: usize| recordings[k].recording.name().to_owned();
     let twice = copies(&recordings).into_iter();
     let twice = twice.map(|(j, k)| Remark::Twice { name: name_of(k), other: name_of(j) });
-    let remarks = no_track.into_iter().chain(opposed).chain(without).chain(twice).collect();
+    let proportions = proportions(&model, &recordings);
+    let remarks = no_track
+        .into_iter()
+        .chain(proportions)
+        .chain(opposed)
+        .chain(without)
+        .chain(twice)
+        .collect();
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
         name: name.to_owned(),
@@ -194,6 +202,15 @@ pub(super) fn assembled(
     align::weigh(&mut plan, robot_is_built);
     align::align(&mut plan, &Asked { hold, settings: conditioning });
     plan
+}
+
+/// The remark on the proportions of a robot that stands in for an unknown one, where the recordings do not determine those.
+fn proportions(model: &Model, recordings: &[MeasuredRecording]) -> Option<Remark> {
+    let robot = model.robot().assumed.clone()?;
+    let train = recordings.iter().filter(|m| m.role == Role::Train);
+    let train: Vec<Recording> = train.map(|m| m.recording.clone()).collect();
+    let lacking = if train.is_empty() { None } else { lacking(&train) }?;
+    Some(Remark::Proportions { robot, straight: lacking == Lacking::Turns })
 }
 
 /// Ids of the effects that depend on the track of the robot: of the catalogue, and user-defined candidates.

@@ -42,6 +42,7 @@ mod shard;
 mod source;
 mod stages;
 mod together;
+mod unrepaired;
 mod what_if;
 
 pub use check::check;

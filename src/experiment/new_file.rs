@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use self::kind::{Kind, split};
 use self::look::Looked;
 use super::error::ExperimentError;
+use super::file::hold_rows;
 use super::guess::{Written, file_text, guess, in_a_line};
+use super::unrepaired::limit;
 use crate::io::{IoError, parts, preview, stated_period, write_whole};
 use crate::study::shell_word;
 
@@ -63,7 +65,9 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     {
         remarks.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
     }
-    let Looked { recordings, kinds, words, notes, unread } = Looked::at(&recordings, &mut guess)?;
+    let Looked { recordings, kinds, words, notes, unread, corrected_rows } =
+        Looked::at(&recordings, &mut guess)?;
+    let hold = (corrected_rows > hold_rows()).then(|| limit(corrected_rows));
     remarks.extend(words.iter().chain(&notes).cloned());
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
     if is_still {
@@ -83,6 +87,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         guess: &guess,
         remarks: &remarks,
         columns: &columns,
+        hold,
     };
     let mut text = file_text(&written);
     if folder.join(SCHEMA).is_file() {

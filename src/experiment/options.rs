@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::shard::Shard;
 
-/// Options of a run.
+/// Where results are written, which keys are overridden, and which cells of a grid run.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
     /// Folder of the result folders.

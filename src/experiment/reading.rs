@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::error::{ExperimentError, Meaning, words};
 use super::robot_table::UNKNOWN;
 use super::source::MeasuredRecording;
+use super::unrepaired;
 use crate::conditioning::{
     Action, Channel, Context, Encoders, Finding, Kind, Settings, SpeedLag, condition,
 };
@@ -114,6 +115,7 @@ impl Reading {
         let long = read_long_recording(file, &self.columns, self.drive_unit, self.hold_rows)?;
         let (recording, long, sha256, conditioning) = match long {
             Some((windows, long, sha256)) => {
+                unrepaired::check(&windows, &long, &self.conditioning, &self.context())?;
                 let found = long_rows(&long);
                 (windows, Some(Arc::new(long)), sha256, found)
             }
@@ -144,14 +146,17 @@ impl Reading {
         Ok(MeasuredRecording { role, recording, long: None, sha256: None, conditioning, findings })
     }
 
-    fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
+    /// What is known beside the channels.
+    fn context(&self) -> Context {
         let commanded = self.drive_unit == DriveUnit::Volt;
         let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
         let Shown { speed_lag, speeds_of_angles, encoders, even_times } = self.shown;
-        let context =
-            Context { wheel_radius, commanded, speed_lag, speeds_of_angles, encoders, even_times };
+        Context { wheel_radius, commanded, speed_lag, speeds_of_angles, encoders, even_times }
+    }
+
+    fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
         let channels = std::mem::take(&mut raw.channels);
-        let done = condition(channels, &self.conditioning, &context)
+        let done = condition(channels, &self.conditioning, &self.context())
             .map_err(|e| words(format!("{}: {e}", raw.name)))?;
         raw.channels = done.channels;
         Ok((raw.recording(self.drive_unit)?, done.findings))

@@ -40,6 +40,13 @@ pub enum Remark {
         /// Name of the other.
         other: String,
     },
+    /// The recordings do not determine parameters whose proportions are those of another robot.
+    Proportions {
+        /// Its name.
+        robot: String,
+        /// Whether the recordings lack turns; otherwise they lack travel other than turns on the spot.
+        straight: bool,
+    },
     /// The wheels nearly always turn in opposite directions.
     Opposed {
         /// Share of these rows \[1\].
@@ -103,6 +110,18 @@ impl fmt::Display for Remark {
                 "{name} has the same samples as {other}: they are counted twice, and the intervals are too narrow; \
                  remove one"
             ),
+            Self::Proportions { robot, straight } => {
+                let (what, held, sum) = match straight {
+                    true => ("turns", "a2 and a3 are", "a1 + a2"),
+                    false => ("travel other than turns on the spot", "a2 is", "a1 - a2"),
+                };
+                write!(
+                    f,
+                    "the training recordings contain no {what}: unless they determine them nevertheless, only {sum} is \
+                     identifiable, and {held} in the ratio of {robot}, an assumption, because [robot] preset = \"unknown\". \
+                     Record {what}, or write the construction data"
+                )
+            }
             Self::Opposed { share } => write!(
                 f,
                 "{} Then write scale = -1 in every column of that wheel",

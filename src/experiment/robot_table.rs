@@ -14,7 +14,14 @@ pub fn robot_of(table: &Table) -> Result<Robot, ExperimentError> {
 }
 
 pub(super) fn robot(table: Option<&Table>) -> Result<Robot, Meaning> {
-    let Some(table) = table else { return Ok(Robot::amigobot()) };
+    let Some(whole) = table else { return Ok(Robot::amigobot()) };
+    let robot = built(whole)?;
+    let assumed = (!is_built(table)).then(|| AMIGOBOT.to_owned());
+    Ok(Robot { assumed, ..robot })
+}
+
+/// The robot with the data of a table, and those of its preset for the others.
+fn built(table: &Table) -> Result<Robot, Meaning> {
     let mut rest = table.clone();
     let base = match rest.remove("preset") {
         None => None,
@@ -74,6 +81,9 @@ fn check_keys(rest: &Table, has_preset: bool) -> Result<(), Meaning> {
 /// Name of a robot with unknown construction; where a length is needed, that of the AmigoBot is used, and
 /// results that depend on it are omitted.
 pub(super) const UNKNOWN: &str = "unknown";
+
+/// The robot whose construction stands in for an unknown one.
+const AMIGOBOT: &str = "AmigoBot";
 
 /// The same if the radius of the wheels is known.
 const UNKNOWN_TRACK: &str = "unknown (with its wheel radius)";

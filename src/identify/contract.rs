@@ -1,7 +1,8 @@
 //! Contract tests of every physical method.
 
-use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, all, find};
+use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, Unknown, all, find};
 use crate::model::Model;
+use crate::model::base::{A1, A2, A4};
 use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, Segment, record, simulate};
@@ -178,18 +179,30 @@ fn straight_driving_alone_is_marked_and_the_sum_is_given() {
             }
             // likelihoods give a wide interval instead, where noise lets the difference be seen
             if !["prediction_error", "output_error"].contains(&name.as_str()) {
-                let said = |words: &str| fit.notes.iter().any(|n| n.to_string().contains(words));
-                assert!(said("identifiable is a1 + a2 = 0.0294"), "{name} {:?}", fit.notes);
-                assert!(
-                    said("a3 is not identifiable from these data; record: fast curves"),
-                    "{name} {:?}",
-                    fit.notes
-                );
-                assert!(fit.estimates[0].value > fit.estimates[1].value.abs(), "{name}");
+                let unknown = |note: &Note| match note {
+                    Note::Unknown { unknown, effect } => Some((unknown.clone(), effect.clone())),
+                    _ => None,
+                };
+                let unknown: Vec<(Unknown, String)> =
+                    fit.notes.iter().filter_map(unknown).collect();
+                let is_sum = |unknown: &Unknown| match unknown {
+                    Unknown::Two { weight, value, .. } => {
+                        let ratio = value / (truth[A1] + truth[A2]);
+                        (weight - 1.0).abs() < 1e-3 && (ratio - 1.0).abs() < 0.01
+                    }
+                    _ => false,
+                };
+                let is_a3 = |(unknown, effect): &(Unknown, String)| {
+                    matches!(unknown, Unknown::One(s) | Unknown::Held(s, _) if s == "a3")
+                        && effect == "centrifugal"
+                };
+                assert!(unknown.iter().any(|(u, _)| is_sum(u)), "{name} {unknown:?}");
+                assert!(unknown.iter().any(is_a3), "{name} {unknown:?}");
+                assert!(fit.estimates[A1].value > fit.estimates[A2].value.abs(), "{name}");
             }
-            let sum = fit.estimates[0].value + fit.estimates[1].value;
+            let sum = fit.estimates[A1].value + fit.estimates[A2].value;
             // a filtered acceleration of 20 s of N2 gives the sum to a few tenths of a percent
-            assert!((sum / (truth[0] + truth[1]) - 1.0).abs() < 0.01, "{name} {sum}");
+            assert!((sum / (truth[A1] + truth[A2]) - 1.0).abs() < 0.01, "{name} {sum}");
         }
     }
 }
@@ -219,7 +232,7 @@ fn recursion_without_forgetting_ends_at_ordinary_least_squares() {
     assert_eq!(*symbols, ["a1", "a2", "a3", "a4", "a5"]);
     assert!(trace.at.windows(2).all(|t| t[0] < t[1]) && trace.at[trace.at.len() - 1] < 51.0);
     let last = &trace.values[trace.values.len() - 1];
-    assert!((last[0] / whole.estimates[0].value - 1.0).abs() < 1e-3);
+    assert!((last[A1] / whole.estimates[A1].value - 1.0).abs() < 1e-3);
 }
 
 /// A recording with the input that `change` computes from time, speeds and input.
@@ -262,7 +275,7 @@ fn sizes_instead_of_squares_shrug_off_wild_torques() {
         let options = toml::from_str(&format!("loss = '{loss}'")).unwrap();
         let method = super::find("constrained_regression").unwrap().configure(&options).unwrap();
         let fit = identify(&*method, &model, &train).unwrap();
-        (fit.estimate("a4").unwrap().value / model.initial()[3] - 1.0).abs()
+        (fit.estimate("a4").unwrap().value / model.initial()[A4] - 1.0).abs()
     };
     let (squares, l1, huber) = (error("squares"), error("l1"), error("huber"));
     // one row in 167 is wild, but the filter spreads it over its length
@@ -280,7 +293,7 @@ fn the_best_of_several_starts_is_no_worse_than_the_first() {
     };
     let (one, three) = (of(1), of(3));
     assert!(three.work.evaluations > one.work.evaluations);
-    let (a, b) = (one.estimates[0].value, three.estimates[0].value);
+    let (a, b) = (one.estimates[A1].value, three.estimates[A1].value);
     assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
 }
 

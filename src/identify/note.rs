@@ -36,6 +36,15 @@ pub enum Note {
         /// Id of the effect of the first of them, which motion would show.
         effect: String,
     },
+    /// Parameters that have the ratio to an identifiable combination that construction data give, not the recordings.
+    Proportions {
+        /// Their symbols.
+        symbols: Vec<String>,
+        /// Name of the robot with these construction data.
+        robot: String,
+        /// Whether it stands in for the robot of the recordings, whose construction is unknown.
+        assumed: bool,
+    },
     /// A single axis mapped to both wheels.
     SingleAxis(SingleAxis),
     /// The diagnosis could not start from the fit, with the reason.

@@ -200,7 +200,7 @@ mod tests {
         let start = start.unwrap();
         assert!(((start[0] + start[1]) / start[5] - 0.15).abs() < 0.03, "{start:?}");
         let (fit, start) = of(&|n| [8.0, 4.0, -6.0][n % 3]);
-        assert!(fit.estimates[3].identifiable && start.is_none(), "{:?}", fit.estimates);
+        assert!(fit.estimates[A4].identifiable && start.is_none(), "{:?}", fit.estimates);
     }
 
     #[test]

@@ -172,9 +172,20 @@ pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &
     }
     let effect = |j: usize| model.parameters()[j].effect.clone();
     let notes = notes.into_iter().map(|(unknown, j)| Note::Unknown { unknown, effect: effect(j) });
+    let notes = notes.chain([proportions(model, places)]);
     fit.notes.splice(0..0, notes.collect::<Vec<_>>());
     [A1, A2].iter().chain(places).for_each(|&j| fit.set_unidentifiable(j));
     fit
+}
+
+/// Whose proportions a2 and the other `places` have.
+fn proportions(model: &Model, places: &[usize]) -> Note {
+    let symbol = |j: &usize| model.parameters()[*j].spec.symbol.clone();
+    let symbols = [A2].iter().chain(places).map(symbol).collect();
+    let robot = model.robot();
+    let assumed = robot.assumed.is_some();
+    let robot = robot.assumed.clone().unwrap_or_else(|| robot.name.clone());
+    Note::Proportions { symbols, robot, assumed }
 }
 
 /// Whether a regression of torques with the free parameters of a task simulates held-out pieces significantly better than one with
@@ -241,6 +252,24 @@ mod tests {
             let ratio = fit.estimates[A2].value / fit.estimates[A1].value;
             assert!((ratio - truth[A2] / truth[A1]).abs() < 0.01, "{name} {ratio}");
         }
+    }
+
+    #[test]
+    fn the_proportions_of_what_is_held_are_those_of_a_named_robot() {
+        let (model, recording) = veering();
+        let train = [recording];
+        let unknown = Robot { assumed: Some("AmigoBot".into()), ..Robot::amigobot() };
+        for (robot, is_assumed) in [(unknown, true), (Robot::amigobot(), false)] {
+            let model = Model::base(robot);
+            let task = Task { model: &model, train: &train, hold: Hold::Constant, seed: 0 };
+            let fit = Excited::new(task).identify(&TorqueRegression::default()).unwrap();
+            let said = fit.notes.iter().find_map(|note| match note {
+                Note::Proportions { symbols, assumed, .. } => Some((symbols.clone(), *assumed)),
+                _ => None,
+            });
+            assert_eq!(said, Some((vec!["a2".into(), "a3".into()], is_assumed)));
+        }
+        assert!(model.robot().assumed.is_none());
     }
 
     #[test]

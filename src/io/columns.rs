@@ -284,6 +284,7 @@ impl ColumnMap {
                 vec![
                     ("N m", Ok(1.0)),
                     ("mN m", Ok(1e-3)),
+                    ("N mm", Ok(1e-3)),
                     ("N cm", Ok(1e-2)),
                     ("kgf cm", Ok(1e-2 * KILOGRAM_FORCE)),
                     ("oz in", Ok(POUND_FORCE / 16.0 * INCH)),

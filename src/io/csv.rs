@@ -103,7 +103,7 @@ fn head(path: &Path) -> Result<Layout, IoError> {
     let text = String::from_utf8(first).map_err(|_| IoError::Format {
         file: shown(path),
         format: "CSV".into(),
-        reason: "the header is not UTF-8 text; save it as CSV in UTF-8".into(),
+        reason: "its first line is no text; if it is a binary log, export it as CSV with the program that wrote it".into(),
     })?;
     let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
     let count = |c: char| text.matches(c).count();

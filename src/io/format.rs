@@ -33,7 +33,16 @@ fn known() -> impl Iterator<Item = Known> {
 }
 
 /// First bytes of unsupported formats, their names, and remedies.
-const FOREIGN: [(&[u8], &str, &str); 3] = [
+const FOREIGN: [(&[u8], &str, &str); 8] = [
+    (b"\x1f\x8b", "compressed (gzip)", "unpack it with `gunzip` first"),
+    (b"BZh", "compressed (bzip2)", "unpack it with `bunzip2` first"),
+    (b"\x28\xb5\x2f\xfd", "compressed (zstd)", "unpack it with `unzstd` first"),
+    (b"\xfd7zXZ", "compressed (xz)", "unpack it with `unxz` first"),
+    (
+        b"ULog\x01\x12\x35",
+        "a ULog of PX4",
+        "convert it with `ulog2csv` (pyulog) and give the CSV file of one topic",
+    ),
     (b"SQLite format 3\0", "a ROS 2 bag in SQLite", "convert it with `ros2 bag convert` to mcap"),
     (b"#ROSBAG V", "a ROS 1 bag", "convert it with `rosbags-convert` to a ROS 2 bag in mcap"),
     (b"PK\x03\x04", "a spreadsheet or an archive", "save it as CSV"),

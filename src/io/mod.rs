@@ -49,7 +49,7 @@ pub use recording::{
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
 pub use text_log::foreign_encoding;
-pub use words::{WheelSide, side, words};
+pub use words::{WheelSide, is_side, side, words};
 
 #[cfg(test)]
 mod tests;

@@ -170,6 +170,12 @@ pub fn side(word: &str) -> Option<WheelSide> {
     }
 }
 
+/// Whether a text is the word of a side, in any case: `(R)`, `(rechts)`.
+#[must_use]
+pub fn is_side(text: &str) -> bool {
+    matches!(&words(text)[..], [word] if side(word).is_some())
+}
+
 /// The words of a name, in lower case and without accents: `/input/LeftVelocity[0]` has input, left, velocity
 /// and 0.
 #[must_use]

@@ -39,6 +39,18 @@ fn place(count: usize, share: f64) -> usize {
     (count.saturating_sub(1) as f64 * share).round() as usize
 }
 
+/// Median difference between successive values: the usual step of time stamps, in their unit.
+///
+/// # Examples
+/// ```
+/// use amigo_ident::math::median_step;
+/// assert_eq!(median_step(&[0.0, 1.0, 2.0, 9.0]), 1.0);
+/// ```
+#[must_use]
+pub fn median_step(t: &[f64]) -> f64 {
+    median_high(t.windows(2).map(|w| w[1] - w[0]))
+}
+
 /// The median; for an even number the mean of the middle two; zero for an empty sample.
 ///
 /// # Examples

@@ -2,17 +2,12 @@
 
 use std::ops::Range;
 
-use crate::math::quantile;
+use crate::math::{median_step, quantile};
 
 /// A time step longer than this many usual steps is a gap.
 const GAP: f64 = 4.0;
 /// Share of the steps that are usual: regular pauses, such as one after every eight rows, are not gaps.
 const USUAL: f64 = 0.95;
-
-/// Median step in time \[s\].
-pub(super) fn median_step(t: &[f64]) -> f64 {
-    crate::math::median_high(t.windows(2).map(|w| w[1] - w[0]))
-}
 
 /// Whether rows are missing between two times, for this usual step.
 pub(crate) fn is_gap(before: f64, after: f64, step: f64) -> bool {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::Recording;
-use crate::math::median_high;
+use crate::math::{interpolate_wheels, median_high};
 
 impl Recording {
     /// Number of rows per new value of the sensors.
@@ -42,9 +42,8 @@ fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
         }
         let from = w[0].max(w[1].saturating_sub(period));
         for k in w[0] + 1..w[1] {
-            let share = ((t[k] - t[from]) / (t[w[1]] - t[from])).max(0.0);
-            let (before, after) = (signal[w[0]], signal[w[1]]);
-            out[k] = [0, 1].map(|i| before[i] + share * (after[i] - before[i]));
+            let ends = [t[from], t[w[1]]];
+            out[k] = interpolate_wheels(ends, [signal[w[0]], signal[w[1]]], t[k].max(t[from]));
         }
     }
     Cow::Owned(out)

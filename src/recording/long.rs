@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::check::{MINIMUM_SAMPLES, check_rows};
-use super::gaps::median_step;
 use super::{Channels, DriveUnit, Recording, RecordingError, limits};
+use crate::math::median_step;
 
 /// Approximate number of rows of all windows together.
 const KEPT: usize = 200_000;

@@ -6,8 +6,9 @@ use std::sync::{Arc, OnceLock};
 use super::channels::{Channels, Measured, MostNoise, MotionNoise, Noise, Sensing, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
-use super::gaps::{median_step, pieces};
+use super::gaps::pieces;
 use super::{DriveUnit, LocalMotion, RecordingError};
+use crate::math::median_step;
 
 /// A checked recording: finite values, strictly increasing time, both angles and speeds.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Text on the dead time between input and motion.
 
-use crate::diagnose::Timing;
+use crate::diagnose::{LONGEST_DELAY, Timing};
 use crate::effects::{self, Change};
 use crate::report::format;
 
@@ -9,6 +9,12 @@ const INTERVAL: f64 = 1.96;
 
 fn ms(seconds: f64) -> String {
     format::fixed(1e3 * seconds, 1)
+}
+
+/// Whether the recordings determine the time: its interval of 95 % is not wider than the range in which it is searched.
+#[must_use]
+pub fn is_determined(timing: &Timing) -> bool {
+    2.0 * INTERVAL * timing.std_error_s <= LONGEST_DELAY
 }
 
 /// Whether the input acts before its time in the log: no dead time, but a shift of the log.
@@ -48,6 +54,9 @@ fn value(timing: &Timing) -> String {
 #[must_use]
 pub fn dead_time(timing: &Timing) -> String {
     let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
+    if !is_determined(timing) {
+        return UNDETERMINED.to_owned();
+    }
     let treatment = if correction_s != 0.0 {
         corrected(timing)
     } else if timing.is_late() {
@@ -64,6 +73,8 @@ pub fn dead_time(timing: &Timing) -> String {
     value(timing) + &treatment
 }
 
+const UNDETERMINED: &str =
+    "not determined by these recordings: starts, stops and reversals of the input would show it";
 const ZERO: &str = ", not significantly different from zero";
 
 fn corrected(timing: &Timing) -> String {
@@ -75,6 +86,9 @@ fn corrected(timing: &Timing) -> String {
 #[must_use]
 pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> String {
     let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
+    if !is_determined(timing) {
+        return UNDETERMINED.to_owned();
+    }
     let treatment = if correction_s != 0.0 {
         corrected(timing)
     } else if dead_time_s.abs() > INTERVAL * std_error_s {
@@ -83,7 +97,8 @@ pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> S
     } else {
         ZERO.to_owned()
     };
-    let seeming = match timing.agrees_with(before.dead_time_s, before.std_error_s) {
+    let agrees = timing.agrees_with(before.dead_time_s, before.std_error_s);
+    let seeming = match agrees || !is_determined(before) {
         true => String::new(),
         false => format!(
             ". Without {found} in the model it would seem to be {} ± {} ms from input to motion; the difference is due to \
@@ -126,6 +141,16 @@ mod tests {
             "the input acts 3.8 ± 0.4 ms before it is recorded (95 %: 3.0 to 4.6 ms); not corrected"
         ));
         assert!(of(0.0002, 0.0).ends_with("not significantly different from zero"));
+    }
+
+    #[test]
+    fn an_interval_wider_than_the_range_searched_determines_nothing() {
+        // straight runs of a robot at one speed
+        let open = Timing { std_error_s: 1.2376, ..of(0.034, 0.0) };
+        for text in [dead_time(&open), dead_time_with("turning scrub", &open, &of(0.0, 0.0))] {
+            assert!(text.starts_with("not determined by these recordings"), "{text}");
+        }
+        assert!(!dead_time_with("turning scrub", &of(0.002, 0.0), &open).contains("Without"));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::verdict::{evidence, recommendation, sentence};
 use crate::conditioning::Finding;
 use crate::diagnose::Judgement;
 use crate::identify::{Estimate, Status};
+use crate::report::is_determined;
 use crate::study::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
 
 /// Version of the layout of `results.json`.
@@ -70,6 +71,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                 "findings": sentences(&r.findings),
                 "dead_time_s": study.timing.map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
+                    "determined": is_determined(&t),
                 })),
             })
         })

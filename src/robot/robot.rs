@@ -23,6 +23,10 @@ pub struct Robot {
     /// input is not a torque; in the unit of the input times s².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated: Option<BaseParameters>,
+    /// Name of the robot whose masses and inertias stand in for unknown ones. Whatever the recordings do not determine
+    /// has its proportions, which is an assumption.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assumed: Option<String>,
 }
 
 impl Robot {
@@ -32,21 +36,25 @@ impl Robot {
     /// The construction data do not pass [`Construction::check`].
     pub fn new(name: impl Into<String>, construction: Construction) -> Result<Self, RobotError> {
         construction.check()?;
-        Ok(Self { name: name.into(), construction, estimated: None })
+        Ok(Self { name: name.into(), construction, estimated: None, assumed: None })
     }
 
     /// The AmigoBot of the paper.
     #[must_use]
     pub fn amigobot() -> Self {
         let construction = Construction::amigobot();
-        Self { name: "amigobot".into(), construction, estimated: None }
+        Self { name: "amigobot".into(), construction, estimated: None, assumed: None }
     }
 
     /// A robot by the name of its preset; `None` if there is no such preset.
     #[must_use]
     pub fn from_preset(name: &str) -> Option<Self> {
-        let of =
-            |p: Preset| Self { name: p.name.into(), construction: p.construction, estimated: None };
+        let of = |p: Preset| Self {
+            name: p.name.into(),
+            construction: p.construction,
+            estimated: None,
+            assumed: None,
+        };
         preset(name).map(of)
     }
 

@@ -4,6 +4,7 @@
 use super::*;
 use crate::math::dormand_prince::DormandPrince;
 use crate::model::Model;
+use crate::model::base::{A1, A2, A3, A4, A5};
 use crate::robot::{Robot, State};
 
 /// a1 .. a5 and a viscous friction [N m s/rad].
@@ -111,7 +112,7 @@ fn difference(split: usize) -> (f64, usize) {
         [0.35 * (2.1 * t).sin() + 0.05, 0.3 * (1.7 * t + 0.4).sin() * (0.3 * t).cos() - 0.02]
     };
     let torques: Vec<[f64; 2]> = knots.iter().map(|&t| input(t)).collect();
-    let typed = Typed { a: [p[0], p[1], p[2], p[3], p[4]], b: p[b] };
+    let typed = Typed { a: [p[A1], p[A2], p[A3], p[A4], p[A5]], b: p[b] };
     let truth = typed.run(&knots, &torques);
 
     let count = 500 * split + 1;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::math::interpolate_wheels;
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 
@@ -42,9 +43,8 @@ pub(crate) fn every_other(
     let mut out = signal.to_vec();
     for piece in recording.pieces() {
         for k in piece.clone().filter(|k| k % 2 == phase && *k > piece.start && k + 1 < piece.end) {
-            let share = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
-            let (from, to) = (signal[k - 1], signal[k + 1]);
-            out[k] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            let ends = [t[k - 1], t[k + 1]];
+            out[k] = interpolate_wheels(ends, [signal[k - 1], signal[k + 1]], t[k]);
         }
     }
     out

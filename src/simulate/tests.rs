@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::Model;
+use crate::model::base::{A1, A2, A4};
 use crate::robot::{Robot, State};
 
 fn time(n: usize, step: f64) -> Vec<f64> {
@@ -20,7 +21,7 @@ fn a_wheel_pushed_and_released_follows_the_exact_parabola_and_stops() {
     // straight driving: inertia a1 + a2, both wheels alike; pushed 1 s with 0.2 N m, then coasting
     let model = Model::base(Robot::amigobot());
     let p = model.initial();
-    let (inertia, friction) = (p[0] + p[1], p[3]);
+    let (inertia, friction) = (p[A1] + p[A2], p[A4]);
     let t = time(301, 0.01);
     let torque: Vec<_> = t.iter().map(|&t| if t < 0.995 { [0.2; 2] } else { [0.0; 2] }).collect();
     let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
@@ -38,7 +39,7 @@ fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
     // straight driving: (a1 + a2) dω = M - a4 - k ω, with time constants of 1, 1/2, 1/5 and 1/20 of a row
     let model = Model::base(Robot::amigobot()).add("back_emf").unwrap();
     let mut p = model.initial();
-    let (inertia, friction, row) = (p[0] + p[1], p[3], 0.02);
+    let (inertia, friction, row) = (p[A1] + p[A2], p[A4], 0.02);
     let t = time(101, row);
     let input = |t: f64| if ((t / 0.2) as usize).is_multiple_of(2) { [1.0; 2] } else { [0.4; 2] };
     let torque: Vec<_> = t.iter().map(|&t| input(t + 1e-9)).collect();
@@ -98,7 +99,7 @@ fn friction_never_makes_energy() {
     let motion = simulate(&model, &p, &input, State::default()).unwrap();
     let energy = |s: &State| {
         let w = s.omega;
-        0.5 * p[0] * (w[0] * w[0] + w[1] * w[1]) + p[1] * w[0] * w[1]
+        0.5 * p[A1] * (w[0] * w[0] + w[1] * w[1]) + p[A2] * w[0] * w[1]
     };
     for k in 1..t.len() {
         // work of the input over the sample, Simpson with the middle from the mean speed

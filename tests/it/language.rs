@@ -8,7 +8,7 @@ use amigo_ident::{effects, identify};
 use crate::prose::prose;
 
 /// Phrases that are refused, in lower case, and what is written instead. Words count as a whole.
-const REFUSED: [(&str, &str); 82] = [
+const REFUSED: [(&str, &str); 83] = [
     ("missing moment", "residual torque"),
     ("missing moments", "residual torques"),
     ("motor moment", "motor torque"),
@@ -58,6 +58,7 @@ const REFUSED: [(&str, &str); 82] = [
     ("moment balance", "torque balance"),
     ("go round once", "vary sinusoidally"),
     ("this data cannot tell", "indistinguishable from these data"),
+    ("the data cannot tell", "indistinguishable from these data"),
     ("drive unit", "unit of the input"),
     ("asleep", "negligible"),
     ("way of the robot", "robot path"),
@@ -119,7 +120,7 @@ const PERSONAL: [(&str, &str); 21] = [
 ];
 
 /// Files and folders whose text is checked; code is not, nor are keys.
-const CHECKED: [&str; 17] = [
+const CHECKED: [&str; 18] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -127,6 +128,7 @@ const CHECKED: [&str; 17] = [
     "docs",
     "experiments",
     "measured",
+    "recordings",
     "benchmarks",
     "src",
     "examples",

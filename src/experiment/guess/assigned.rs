@@ -1,7 +1,8 @@
 //! Numbered columns with other columns that state their side: the data show which input moves which wheel.
 
 use super::guessed::{Guess, Guessed};
-use super::values::{time, values_of};
+use super::times::{seconds, time};
+use super::values::values_of;
 use crate::conditioning::{Channel, Context, Kind, Settings, condition};
 use crate::io::PreviewColumn;
 use crate::recording::{Channels, DriveUnit};
@@ -74,7 +75,7 @@ fn channels(columns: &[PreviewColumn], guess: &Guess) -> Option<Channels> {
         return None;
     }
     time(of("t")?, &mut clock);
-    let second = super::values::seconds(&clock) * clock.scale.unwrap_or(1.0);
+    let second = seconds(&clock) * clock.scale.unwrap_or(1.0);
     let start = of("t")?.first()?;
     let t: Vec<f64> = of("t")?.iter().map(|t| (t - start) * second).collect();
     let (alpha, omega) = (pair("alpha1", "alpha2"), pair("dalpha1", "dalpha2"));

@@ -2,7 +2,8 @@
 
 use super::guessed::{Guess, Guessed};
 use super::speed_units::is_unknown;
-use super::values::{COUNTED, largest, row_step, seconds, values_of, whole};
+use super::times::{row_step, seconds};
+use super::values::{COUNTED, largest, values_of, whole};
 use crate::io::PreviewColumn;
 
 /// Whether a column contains many different whole numbers: counts of an encoder.

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::guessed::{Candidate, Guess, Guessed};
 use super::names::Quantity;
-use super::values::{extent, row_step, seconds, values_of, whole};
+use super::times::{row_step, seconds};
+use super::values::{extent, values_of, whole};
 use crate::io::{PreviewColumn, words};
 use crate::math::{fit, mean, sgn};
 

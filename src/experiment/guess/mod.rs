@@ -20,12 +20,14 @@ mod open_inputs;
 mod pairs;
 mod ranges;
 mod relations;
+mod samples;
 mod shafts;
 mod shares;
 mod signs;
 mod speed_units;
 mod stated;
 mod text;
+mod times;
 mod unknown_sides;
 mod values;
 

@@ -5,6 +5,7 @@ mod factor;
 mod foreign;
 mod interpreted;
 mod measure;
+mod prefixed;
 mod unit;
 mod words;
 
@@ -12,6 +13,7 @@ use self::factor::multiplied;
 use self::foreign::is_foreign;
 pub(super) use self::interpreted::{Named, Quantity, Side};
 use self::measure::Measure;
+use self::prefixed::take_prefix;
 use self::unit::{split_unit, unit, unit_in_front};
 use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{
@@ -39,8 +41,10 @@ pub(in crate::experiment::guess) fn named_with(
     if words.len() > 1 && words.last().is_some_and(|w| w == "data") {
         words.pop();
     }
+    let prefix = take_prefix(bare, &mut words);
     let Measure { unit: mut ending, scale, plain, in_brackets } =
         Measure::taken(&mut words, times, bracket, front);
+    let scale = prefix.map(|factor| factor * scale.unwrap_or(1.0)).or(scale);
     let step = words.iter().any(|w| STEPS.contains(&w.as_str()))
         || words.windows(2).any(|w| w[0] == "delta" && matches!(w[1].as_str(), "t" | "time"));
     let foreign = is_foreign(&words);
@@ -221,6 +225,7 @@ mod tests {
             ("rightspeed", Some(Speed), Some(Right), None),
             ("Lpwm", Some(Voltage), Some(Left), None),
             ("vel_right [rpm]", Some(Speed), Some(Right), Some("rpm")),
+            ("omega 1 (rechts)", Some(Speed), Some(Right), None),
             ("left_vel", Some(Speed), Some(Left), None),
             ("curR", Some(Current), Some(Right), None),
             ("i_left_mA", Some(Current), Some(Left), Some("mA")),

@@ -4,8 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use super::guessed::{Guess, Guessed};
 use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, named};
-use super::values::{largest, seconds, values_of};
+use super::times::seconds;
+use super::values::values_of;
 use crate::io::PreviewColumn;
+use crate::math::quantile;
 
 /// Wheel speed above which a number is more likely in rpm [rad/s].
 const FAST: f64 = 120.0;
@@ -16,10 +18,18 @@ const ALIKE: f64 = 0.1;
 /// Factor within which a speed follows its set-point.
 const SIMILAR: f64 = 2.0;
 
+/// Share of the rows that stay below the top of a signal; isolated wrong samples and the wraps of a counter are above.
+const NEARLY_ALL: f64 = 0.98;
+
+/// The magnitude that nearly all values stay below.
+fn top_of(values: &[f64]) -> f64 {
+    quantile(values.iter().map(|v| v.abs()).filter(|v| v.is_finite()), NEARLY_ALL)
+}
+
 /// Whether a speed is in a unit that is not stated and is not an SI unit.
 pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {
     let is_stated = one.unit.is_some() || named(&one.name).unit.is_some();
-    !is_stated && largest(values) * one.scale.unwrap_or(1.0).abs() > FAST
+    !is_stated && top_of(values) * one.scale.unwrap_or(1.0).abs() > FAST
 }
 
 /// Asks for the unit of speeds that names do not state and angles do not show. Both wheels have one unit.
@@ -40,7 +50,7 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
             && (is_unknown(of(&one.name), one) || is_general && !agrees(columns, guess, one))
     };
     let Some(first) = guess.columns.iter().find(|c| is_open(c)) else { return };
-    let top = largest(of(&first.name)) * first.scale.unwrap_or(1.0).abs();
+    let top = top_of(of(&first.name)) * first.scale.unwrap_or(1.0).abs();
     if let Some((name, unit)) = of_set_point(columns, top) {
         let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));
         for one in speeds.filter(|c| c.unit.is_none()) {
@@ -69,7 +79,7 @@ fn of_set_point(columns: &[PreviewColumn], top: f64) -> Option<(&str, &'static s
     columns.iter().find_map(|column| {
         let name = named(&column.name);
         let unit = name.unit.filter(|_| name.wished && name.quantity == Some(Quantity::Speed))?;
-        let set = largest(&column.values);
+        let set = top_of(&column.values);
         (set < SIMILAR * top && top < SIMILAR * set).then_some((column.name.as_str(), unit))
     })
 }
@@ -125,8 +135,7 @@ fn angles(columns: &[PreviewColumn], guess: &mut Guess, is_joint: bool) {
     angles.filter(|c| c.unit.is_none()).for_each(|c| c.unit_open = true);
 }
 
-/// The speed, in the unit of the angle per second, that nearly all rows stay below; wraps of a counter are
-/// excluded.
+/// The speed, in the unit of the angle per second, that nearly all rows stay below.
 fn slope(columns: &[PreviewColumn], guess: &Guess, angle: &Guessed) -> Option<f64> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     let (t, a) = (values_of(columns, &time.name), values_of(columns, &angle.name));
@@ -136,9 +145,7 @@ fn slope(columns: &[PreviewColumn], guess: &Guess, angle: &Guessed) -> Option<f6
     let second = seconds(time) * time.scale.unwrap_or(1.0);
     let rows = t.windows(2).zip(a.windows(2));
     let by_row = rows.map(|(t, a)| ((a[1] - a[0]) / ((t[1] - t[0]) * second)).abs());
-    let mut slopes: Vec<f64> = by_row.filter(|w| w.is_finite()).collect();
-    slopes.sort_by(f64::total_cmp);
-    slopes.get(slopes.len() * 98 / 100).copied()
+    Some(top_of(&by_row.collect::<Vec<f64>>()))
 }
 
 /// Whether the input is the effort of a joint: joint states of ROS are in SI.

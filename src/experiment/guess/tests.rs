@@ -164,11 +164,16 @@ fn what_is_missing_is_asked_with_what_is_open() {
         guess: &g,
         remarks: &[],
         columns: &log,
+        hold: None,
     };
     let text = file_text(&written);
     assert!(text.contains("M1 = \"?\", M2 = \"?\"") && text.contains("#   foo "), "{text}");
     let parsed: toml::Table = toml::from_str(&text).unwrap();
     assert_eq!(parsed["recordings"]["columns"]["dalpha1"].as_str(), Some("wR"));
+    assert!(parsed["recordings"].get("hold_rows").is_none());
+    let long = file_text(&Written { hold: Some((1_300_000, 1.43)), ..written });
+    let parsed: toml::Table = toml::from_str(&long).unwrap();
+    assert_eq!(parsed["recordings"]["hold_rows"].as_integer(), Some(1_300_000));
 }
 
 #[test]

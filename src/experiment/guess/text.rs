@@ -26,6 +26,8 @@ pub(in crate::experiment) struct Written<'a> {
     pub(in crate::experiment) remarks: &'a [String],
     /// All columns of the first recording.
     pub(in crate::experiment) columns: &'a [PreviewColumn],
+    /// Rows to be held in memory so that errors are corrected, and the memory \[GB\], if more than by default.
+    pub(in crate::experiment) hold: Option<(usize, f64)>,
 }
 
 impl Guessed {
@@ -156,11 +158,12 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
     let _ = write!(
         out,
         "\ntitle = \"\"                  # heading of the report\n\n{ROBOT}{}\n\
-         [recordings]\ntrain      = [{}]\nvalidation = [{}]{hint}\n{}\n",
+         [recordings]\ntrain      = [{}]\nvalidation = [{}]{hint}\n{}\n{}",
         if w.guess.columns.iter().any(Guessed::is_in_metres) { RADIUS } else { OPTIONAL_RADIUS },
         files(false),
         files(true),
-        columns(w.guess)
+        columns(w.guess),
+        held_rows(w.hold)
     );
     let _ = write!(
         out,
@@ -206,6 +209,15 @@ fn input_words(unit: DriveUnit) -> &'static str {
              # The input is a voltage: back-EMF is part of the model (kS = a4, kV = k_e, kA = a1 + a2, per radian)\n"
         }
     }
+}
+
+/// The key that holds all rows of a long recording.
+fn held_rows(hold: Option<(usize, f64)>) -> String {
+    hold.map_or_else(String::new, |(rows, gigabytes)| {
+        format!(
+            "hold_rows  = {rows}      # all rows in memory ({gigabytes:.1} GB): only then are the errors above corrected\n"
+        )
+    })
 }
 
 fn questions(out: &mut String, w: &Written) {

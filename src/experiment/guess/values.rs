@@ -1,36 +1,23 @@
-//! Interpretation of the values of columns: time units, counts, milliamperes, and open questions.
+//! Interpretation of the values of columns: counts, milliamperes, and open questions.
 
 use super::electrical;
-use super::guessed::{About, Guess, Guessed, Question};
+use super::guessed::{About, Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
+pub(super) use super::samples::{
+    extent, increases, is_constant, is_never_negative, largest, values_of, whole,
+};
+use super::times::{no_time, time, time_question};
 use crate::io::PreviewColumn;
-use crate::math::median_high;
+use crate::math::quantile;
 use crate::recording::DriveUnit;
 
-/// Rates that logs of robots have \[Hz\].
-const RATES: (f64, f64) = (2.0, 2e4);
-/// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
-const SLOWEST: f64 = 0.5;
-const STATED: f64 = 0.1;
-/// Shortest duration of a log \[s\].
-const SHORTEST: f64 = 4.0;
-/// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
-const CALENDAR: f64 = 1e9;
-/// Values of a counter of 32 bits.
-const COUNTER: f64 = 4_294_967_296.0;
 /// Larger than the current of any motor of a small robot \[A\].
 const AMPERES: f64 = 200.0;
 
 /// What metres need.
 pub(super) const RADIUS: &str =
     "what is the radius of the wheels? Angles or speeds are in metres: write r_m under [robot]";
-
-/// Whether a column increases in nearly all rows.
-pub(super) fn increases(values: &[f64]) -> bool {
-    let up = values.windows(2).filter(|w| w[1] > w[0]).count();
-    values.len() > 2 && 20 * up > 19 * (values.len() - 1)
-}
 
 /// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
 pub(super) fn fits(key: &str, unit: &str) -> bool {
@@ -41,21 +28,12 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
             angular || matches!(unit, "m/s" | "cm/s" | "mm/s" | "km/h")
         }
         "M1" | "M2" => {
-            let torque = matches!(unit, "mN m" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
+            let torque =
+                matches!(unit, "mN m" | "N mm" | "N cm" | "kgf cm" | "oz in" | "lb in" | "lb ft");
             torque || matches!(unit, "mA" | "mV")
         }
         _ => true,
     }
-}
-
-/// The values of a column; none where no column has that name.
-pub(super) fn values_of<'a>(columns: &'a [PreviewColumn], name: &str) -> &'a [f64] {
-    columns.iter().find(|c| c.name == name).map_or(&[], |c| &c.values)
-}
-
-/// Whether no value is negative.
-pub(super) fn is_never_negative(values: &[f64]) -> bool {
-    values.iter().all(|v| v.is_nan() || *v >= 0.0)
 }
 
 /// Whether a column holds one value and no other.
@@ -63,20 +41,8 @@ pub(super) fn never_changes(columns: &[PreviewColumn], one: &Guessed) -> bool {
     is_constant(values_of(columns, &one.name))
 }
 
-pub(super) fn is_constant(values: &[f64]) -> bool {
-    let mut held = values.iter().filter(|v| v.is_finite());
-    let first = held.next();
-    held.all(|v| Some(v) == first)
-}
-
 /// Share of a speed range below which a sign change is noise of a sensor at rest (judgement).
 pub(super) const AT_REST: f64 = 0.05;
-
-/// The smallest and the largest of the values and zero.
-pub(super) fn extent(values: &[f64]) -> (f64, f64) {
-    let finite = values.iter().copied().filter(|v| v.is_finite());
-    finite.fold((0.0, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
-}
 
 /// Whether an input never changes its sign although the wheels turn both ways.
 pub(super) fn is_magnitude(
@@ -90,11 +56,9 @@ pub(super) fn is_magnitude(
     let by_speed = |one: &Guessed| both_ways(extent(of(&one.name)));
     let by_angle = |one: &Guessed| {
         let held: Vec<f64> = of(&one.name).iter().copied().filter(|v| v.is_finite()).collect();
-        let mut steps: Vec<f64> = held.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
+        let steps = || held.windows(2).map(|w| w[1] - w[0]);
         // without the wraps of a counter
-        let at = |share: usize| steps.get(steps.len() * share / 100).copied().unwrap_or_default();
-        both_ways((at(2), at(98)))
+        both_ways((quantile(steps(), 0.02), quantile(steps(), 0.98)))
     };
     let driven = match (speeds, angles) {
         (Some(pair), _) => pair.iter().any(by_speed),
@@ -109,7 +73,7 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     electrical::currents(columns, guess);
     let inputs = guess.columns.iter().filter(|c| c.key.starts_with('M'));
-    let top = inputs.map(|c| largest(of(&c.name))).fold(0.0, f64::max);
+    let top = inputs.map(|c| c.scale.unwrap_or(1.0) * largest(of(&c.name))).fold(0.0, f64::max);
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {
@@ -163,56 +127,6 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     guess.ask_all(asked);
 }
 
-impl Guess {
-    /// Uses the period of the rows that the file states if no column is the time, or if one counts the rows; returns
-    /// whether it was needed.
-    pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
-        match self.columns.iter_mut().find(|c| c.key == "t") {
-            Some(t) if t.scale_open => {
-                (t.scale, t.scale_open) = (Some(period), false);
-            }
-            Some(_) => return false,
-            None => {
-                (self.period, self.period_open) = (Some(period), false);
-            }
-        }
-        self.answer(&About::Period);
-        true
-    }
-}
-
-/// The question on a column that was used as the time and may be another quantity.
-fn time_question(guess: &Guess) -> Option<Question> {
-    let time = guess.columns.iter().find(|c| c.key == "t")?;
-    if time.scale_open {
-        Some(no_step(&time.name))
-    } else if time.unit_open {
-        Some(Question::from(format!(
-            "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
-            time.name
-        )))
-    } else {
-        None
-    }
-}
-
-/// The question for the step of a column that counts rows.
-fn no_step(name: &str) -> Question {
-    let text =
-        format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t");
-    Question { about: About::Period, text }
-}
-
-/// The question if no time column was found.
-fn no_time(period_open: bool) -> Question {
-    let text = if period_open {
-        "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
-    } else {
-        "which column contains the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
-    };
-    Question { about: About::Period, text: text.into() }
-}
-
 /// The unit of a controller whose column names are known and contain no unit.
 fn of_controller(values: &[f64], one: &mut Guessed) {
     let (angle, speed) = (one.key.starts_with("alpha"), one.key.starts_with("dalpha"));
@@ -234,110 +148,6 @@ fn of_controller(values: &[f64], one: &mut Guessed) {
     };
     (one.unit, one.scale, one.per_turn) = (Some(unit.into()), scale, per_turn);
     one.evidence.push(why.into());
-}
-
-/// The unit of a time that its name does not state, from its rate.
-pub(super) fn time(values: &[f64], one: &mut Guessed) {
-    let is_known =
-        one.unit.is_some() || one.unit_open || one.nanoseconds.is_some() || one.scale_open;
-    let Some(step) = row_step(values, one.sum).filter(|_| !is_known) else { return };
-    let held = || values.iter().copied().filter(|v| v.is_finite());
-    let (first, last) = if one.sum {
-        (0.0, held().sum())
-    } else {
-        (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
-    };
-    // rows in disorder have no rate; a counter may wrap
-    let is_back = one.scale.is_some_and(|scale| scale < 0.0);
-    if last <= first && !is_back && !increases(values) {
-        return;
-    }
-    let passed = match values.windows(2).any(|w| w[1] < w[0]) && !one.sum && !is_back {
-        true => values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).sum(),
-        false => last - first,
-    };
-    // counters of 32 bits are beyond the seconds of a calendar, which advance more slowly
-    let is_counter = whole(values) && largest(values) < COUNTER && step * STATED > 1.0;
-    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-    let rate = |factor: f64| 1.0 / (step * factor);
-    let sound = |factor: f64| {
-        let calendar = first * factor > 0.3 * CALENDAR && first * factor < 4.0 * CALENDAR;
-        rate(factor) >= RATES.0
-            && rate(factor) <= RATES.1
-            && (first < CALENDAR || calendar || is_counter)
-    };
-    if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
-        let (steps, seconds) = (DAY * step, passed * DAY);
-        one.unit = Some("d".into());
-        one.evidence.push(format!(
-            "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
-            rate(DAY)
-        ));
-        return;
-    }
-    // fractions at a slow rate are not milliseconds if those would give an implausible log
-    let is_slow = !whole(values)
-        && (SLOWEST..RATES.0).contains(&rate(1.0))
-        && passed * 1e-3 < SHORTEST
-        && first < CALENDAR;
-    let is_stated = named(&one.name).unit == Some("s") && (STATED..RATES.1).contains(&rate(1.0));
-    if is_slow || is_stated {
-        return;
-    }
-    let Some((unit, factor)) = units.into_iter().find(|(_, f)| sound(*f)) else { return };
-    if unit != "s" {
-        one.unit = Some(unit.into());
-        one.evidence.push(format!(
-            "{:.0} s at {:.3} Hz would be no log: this is {unit} ({:.1} s at {:.0} Hz)",
-            passed,
-            1.0 / step,
-            passed * factor,
-            rate(factor)
-        ));
-    }
-}
-
-/// Seconds of a day.
-const DAY: f64 = 86_400.0;
-
-/// Whether a number may be that of a day of 1990 to 2090: since 1900 (spreadsheets), 1970 or the year 0 (MATLAB).
-fn are_days(first: f64) -> bool {
-    [0.0, 25_569.0, -693_960.0].iter().any(|epoch| (32_874.0..69_400.0).contains(&(first + epoch)))
-}
-
-/// Repeated stamps for each that differs beyond which a clock is coarser than the rows.
-const COARSE: f64 = 0.5;
-
-/// Time between two rows, in the unit of the column, which holds times or steps.
-pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
-    let steps: Vec<f64> =
-        if are_steps { values.to_vec() } else { values.windows(2).map(|w| w[1] - w[0]).collect() };
-    let forward = || steps.iter().copied().filter(|h| *h > 0.0);
-    let (count, repeated) =
-        (forward().count() as f64, steps.iter().filter(|h| **h == 0.0).count() as f64);
-    let step = (count > 0.0).then(|| median_high(forward()))?;
-    Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
-}
-
-/// Seconds of a unit of time.
-pub(super) fn seconds(time: &Guessed) -> f64 {
-    match time.unit.as_deref() {
-        Some("ms") => 1e-3,
-        Some("us") => 1e-6,
-        Some("ns") => 1e-9,
-        Some("min") => 60.0,
-        Some("h") => 3600.0,
-        Some("d") => DAY,
-        _ => 1.0,
-    }
-}
-
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
-}
-
-pub(super) fn whole(values: &[f64]) -> bool {
-    values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
 
 /// Largest whole angle in radians; larger ones are in other units.

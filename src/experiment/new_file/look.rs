@@ -7,6 +7,7 @@ use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, con
 use crate::experiment::error::ExperimentError;
 use crate::experiment::guess::{About, Guess, Guessed, in_a_line};
 use crate::experiment::remarks::repeated;
+use crate::experiment::unrepaired::is_needed;
 use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels};
 use crate::recording::{DriveUnit, Recording};
 
@@ -26,6 +27,8 @@ pub(super) struct Looked {
     pub(super) notes: Vec<String>,
     /// Why the first one that cannot be read cannot.
     pub(super) unread: Option<String>,
+    /// Rows of the longest one with errors that are corrected in memory only.
+    pub(super) corrected_rows: usize,
 }
 
 impl Looked {
@@ -42,7 +45,7 @@ impl Looked {
                 out.notes.push(in_a_line(&format!("{name}: text in {encoding}")));
             }
             let (words, kind) = match look(path, guess) {
-                Ok((recording, findings)) => {
+                Ok((recording, findings, rows)) => {
                     let is_same = |(_, r): &&(_, Recording)| !repeated(&[r, &recording]).is_empty();
                     if let Some((other, _)) = read.iter().find(is_same) {
                         let other = other.to_string_lossy();
@@ -52,6 +55,9 @@ impl Looked {
                     }
                     take_units(guess, &findings);
                     take_magnitudes(guess, &findings, path);
+                    if findings.iter().any(|f| is_needed(f, recording.step())) {
+                        out.corrected_rows = out.corrected_rows.max(rows);
+                    }
                     let kind = Kind::of(&recording);
                     let words = seen(&recording, &findings, kind);
                     read.push((path, recording));
@@ -78,9 +84,9 @@ fn about(path: &Path, reason: String) -> String {
     if is_named { reason } else { format!("{}: {reason}", path.to_string_lossy()) }
 }
 
-/// A recording read with the guessed columns, and the findings of conditioning; or the reason why it cannot
+/// A recording read with the guessed columns, the findings of conditioning, and its number of rows; or the reason why it cannot
 /// be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
-fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String> {
+fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>, usize), String> {
     if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
         return Err("the sampling period is not known".into());
     }
@@ -111,13 +117,14 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>), String>
     let context = Context { commanded, ..Context::default() };
     let settings = Settings { refuse: false, ..Settings::default() };
     let channels = std::mem::take(&mut raw.channels);
+    let rows = channels.t.len();
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
     let mut findings = done.findings;
     // the sign of an input does not depend on the scale of the motion
     findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));
-    Ok((recording, findings))
+    Ok((recording, findings, rows))
 }
 
 /// Enters units determined by comparing speeds and angles into the file.

@@ -69,6 +69,7 @@ fn widen(estimate: &mut Estimate, slope: f64, shape: &Estimate) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::base::A1;
     use crate::robot::Robot;
     use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
 
@@ -99,7 +100,7 @@ mod tests {
         }
         assert_eq!(found.estimates[5].std_error, 0.01);
         // the inertia hardly depends on it
-        assert!(found.estimates[0].std_error < 0.1 * found.estimates[0].value);
-        assert_eq!(with(0.0).estimates[0], alone.estimates[0]);
+        assert!(found.estimates[A1].std_error < 0.1 * found.estimates[A1].value);
+        assert_eq!(with(0.0).estimates[A1], alone.estimates[A1]);
     }
 }

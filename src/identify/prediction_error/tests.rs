@@ -5,7 +5,7 @@ use rand_distr::Distribution;
 
 use super::*;
 use crate::model::Model;
-use crate::model::base::A4;
+use crate::model::base::{A1, A3, A4};
 use crate::recording::{Channels, DriveUnit};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, record, simulate};
@@ -58,7 +58,7 @@ fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
     let model = Model::base(Robot::new(preset.name, preset.construction).unwrap());
     let truth = model.initial();
     // torque noise of 4 % of the friction is 1.5 times the torque of an acceleration of 1 rad/s²
-    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.04 * truth[3] };
+    let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.04 * truth[A4] };
     let train: Vec<Recording> = (0..3)
         .map(|seed| {
             let movement = Movement::rich(model.robot(), 4000 + seed, 20.0, 12.0);
@@ -70,7 +70,7 @@ fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
     let fit = PredictionError::default().identify(&task).unwrap();
     let a1 = fit.estimate("a1").unwrap();
     // the bias that noise of the input makes at T = 0 with plain derivatives is tens of percent
-    assert!((a1.value / truth[0] - 1.0).abs() < 0.1, "{} {:?}", a1.value / truth[0], fit.notes);
+    assert!((a1.value / truth[A1] - 1.0).abs() < 0.1, "{} {:?}", a1.value / truth[A1], fit.notes);
     let taken = matches!(fit.notes[0], Note::BetterRegression { .. });
     assert!(fit.horizon_s.is_some() || taken, "{:?}", fit.notes);
 }
@@ -102,7 +102,7 @@ fn intervals_hold_the_truth_where_noise_of_the_input_goes_on_from_row_to_row() {
     let fit = PredictionError::default().identify(&task).unwrap();
     let a1 = fit.estimate("a1").unwrap();
     // scores of blocks alone claim a few percent and are off by more than twice that
-    assert!((a1.interval.0..a1.interval.1).contains(&truth[0]), "{a1:?} {}", truth[0]);
+    assert!((a1.interval.0..a1.interval.1).contains(&truth[A1]), "{a1:?} {}", truth[A1]);
     assert!(fit.notes.iter().any(|n| matches!(n, Note::Disagreement(_))), "{:?}", fit.notes);
 }
 
@@ -169,7 +169,7 @@ fn what_straight_driving_does_not_identify_is_held_and_said() {
     let fit = PredictionError::default().identify(&task).unwrap();
     let a3 = fit.estimate("a3").unwrap();
     // held in its ratio to a1 + a2, whose standard error is 0.05 %
-    let is_held = (a3.value / truth[2] - 1.0).abs() < 0.002;
+    let is_held = (a3.value / truth[A3] - 1.0).abs() < 0.002;
     assert!(!a3.identifiable && is_held, "{a3:?} {:?}", fit.notes);
     let held = |n: &Note| n.to_string().starts_with("a3 is not identifiable");
     assert!(fit.notes.iter().any(held), "{:?}", fit.notes);

@@ -4,6 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
 use crate::model::Model;
+use crate::model::base::A1;
 use crate::recording::{DriveUnit, RowsError};
 use crate::robot::Robot;
 use crate::simulate::Hold;
@@ -123,7 +124,7 @@ fn rows_read_in_blocks_give_what_rows_in_memory_give() {
         let (streamed, held) = both(&method, &model, &r, Hold::Linear);
         assert_same(&streamed, &held, SAME);
         // and they are right, up to the attenuation that the method is known for
-        let a1 = streamed.estimates[0].value;
+        let a1 = streamed.estimates[A1].value;
         assert!((a1 / MODEL[0] - 1.0).abs() < 0.05, "{a1}");
     }
 }

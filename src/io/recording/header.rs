@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::{Column, ColumnMap, IoError};
+use super::super::{Column, ColumnMap, IoError, is_side};
 use crate::io::error::shown;
 
 /// The name without the unit behind it.
@@ -10,10 +10,11 @@ pub(super) fn bare(name: &str) -> &str {
     if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
 }
 
-/// The unit in brackets behind a name.
+/// The unit in brackets behind a name; the word of a side is none.
 pub(super) fn bracketed(name: &str) -> Option<&str> {
     let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
-    Some(unit.trim()).filter(|u| !u.is_empty() && !is_element(name))
+    let unit = unit.trim();
+    (!unit.is_empty() && !is_element(name) && !is_side(unit)).then_some(unit)
 }
 
 /// Factor and offset of a column; the unit behind its name counts where the map gives none.
@@ -63,6 +64,7 @@ mod tests {
         assert_eq!((bare("i (A)"), bracketed("i (A)")), ("i", Some("A")));
         assert_eq!((bare("velocity(:,1)"), bracketed("velocity(:,1)")), ("velocity(:,1)", None));
         assert_eq!((bare("t"), bracketed("t []")), ("t", None));
+        assert_eq!((bracketed("omega 1 (rechts)"), bracketed("speed [R]")), (None, None));
         let unknown =
             |key: &str, name: &'static str| unknown_unit(&ColumnMap::default(), key, name);
         assert_eq!(unknown("M1", "torque [0.1%]"), Some("0.1%"));

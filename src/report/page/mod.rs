@@ -35,7 +35,7 @@ const INTERACTIVE: &str = concat!(
 const SORT: &str = concat!(include_str!("sort.js"), include_str!("reading.js"));
 const STYLE: &str = include_str!("style.css");
 
-/// Content of a page.
+/// Sections, title and provenance of a report, from which its HTML is generated.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PageContent {
     /// Heading and window title.

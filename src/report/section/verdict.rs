@@ -1,5 +1,7 @@
 //! The verdict in one sentence, and the recommended next step.
 
+mod rest_offset;
+
 use super::overlay::Overlay;
 use super::{Depth, Section, words};
 use crate::diagnose::THRESHOLDS;
@@ -226,6 +228,9 @@ fn cautions(study: &Study) -> Vec<Block> {
             format::fixed(1e3 * timing.dead_time_s, 1)
         );
         notice(sentence, "A diagnosis distinguishes an input delay from an actuator lag.".into());
+    }
+    if let Some((sentence, remedy)) = rest_offset::notice(study) {
+        notice(sentence, remedy.into());
     }
     let found = study.findings();
     if !found.is_empty() {

@@ -258,7 +258,8 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Magnitude => "takes the sign of the speed",
         Kind::RestOffset { .. } => {
             return format!(
-                "possibly an offset of the sensor: `offset` of the column {name} removes it"
+                "is it an offset of the sensor? Then write `offset` in {name}; a torque that friction holds at rest is left as \
+                 recorded"
             )
             .into();
         }

@@ -21,7 +21,9 @@ impl StatedIssue {
     pub fn what(&self) -> String {
         match *self {
             Self::Windows { rows, .. } => {
-                format!("{rows} rows are more than are held in memory (hold_rows)")
+                format!(
+                    "{rows} rows are more than are held in memory (hold_rows), and are not conditioned"
+                )
             }
             Self::Short(duration) => format!("the recording lasts {duration:.2} s"),
             Self::Settles { step_s, constant_s } => format!(

@@ -211,6 +211,18 @@ impl fmt::Display for Note {
                 digits(by_std_error.0, 5),
                 digits(by_std_error.1, 5)
             ),
+            Self::Proportions { symbols, robot, assumed: false } => write!(
+                f,
+                "{}: in the ratio that the construction data of {robot} give, not by these data.",
+                symbols.join(", ")
+            ),
+            Self::Proportions { symbols, robot, .. } => write!(
+                f,
+                "{}: in the ratio of {robot}, an assumption, because the construction of this robot is unknown and these \
+                 data do not determine them. Use only the identifiable combination, or write the construction data under \
+                 [robot].",
+                symbols.join(", ")
+            ),
             Self::BiasedByInput => f.write_str(
                 "The input is so noisy, or so rough, that it biases the inertias by more than can be \
                  corrected; their intervals are too narrow.",

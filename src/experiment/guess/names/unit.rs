@@ -114,6 +114,8 @@ pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantit
 pub(super) fn split_unit(name: &str) -> (&str, Option<&str>) {
     let trimmed = name.trim().trim_end_matches([']', ')']);
     match trimmed.split_once(['[', '(']) {
+        // `omega 1 (right)`
+        Some((_, inner)) if crate::io::is_side(inner) => (name, None),
         Some((bare, inner)) if inner.chars().any(char::is_alphabetic) => {
             (bare.trim(), Some(inner.trim()))
         }
@@ -181,7 +183,7 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
 
 /// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
 /// by itself.
-const UNITS: [(&[&str], &str, Option<Quantity>); 33] = [
+const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
     (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
     (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
@@ -307,6 +309,7 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 33] = [
     (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
     (&["volts", "volt", "v", "в"], "V", Some(Quantity::Voltage)),
     (&["mnm"], "mN m", Some(Quantity::Torque)),
+    (&["nmm"], "N mm", Some(Quantity::Torque)),
     (&["ncm"], "N cm", Some(Quantity::Torque)),
     (&["kgfcm", "kgcm"], "kgf cm", Some(Quantity::Torque)),
     (&["ozin", "ozfin", "inoz"], "oz in", Some(Quantity::Torque)),

@@ -1,0 +1,164 @@
+//! The time of a log: its unit by the rate, its step, and the questions on it.
+
+use super::guessed::{About, Guess, Guessed, Question};
+use super::names::named;
+use super::samples::{increases, largest, whole};
+use crate::math::median_high;
+
+/// Rates that logs of robots have \[Hz\].
+const RATES: (f64, f64) = (2.0, 2e4);
+/// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
+const SLOWEST: f64 = 0.5;
+const STATED: f64 = 0.1;
+/// Shortest duration of a log \[s\].
+const SHORTEST: f64 = 4.0;
+/// Beyond this a stamp is that of a calendar \[s\]: the year 2001.
+const CALENDAR: f64 = 1e9;
+/// Values of a counter of 32 bits.
+const COUNTER: f64 = 4_294_967_296.0;
+
+impl Guess {
+    /// Uses the period of the rows that the file states if no column is the time, or if one counts the rows; returns
+    /// whether it was needed.
+    pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
+        match self.columns.iter_mut().find(|c| c.key == "t") {
+            Some(t) if t.scale_open => {
+                (t.scale, t.scale_open) = (Some(period), false);
+            }
+            Some(_) => return false,
+            None => {
+                (self.period, self.period_open) = (Some(period), false);
+            }
+        }
+        self.answer(&About::Period);
+        true
+    }
+}
+
+/// The question on a column that was used as the time and may be another quantity.
+pub(super) fn time_question(guess: &Guess) -> Option<Question> {
+    let time = guess.columns.iter().find(|c| c.key == "t")?;
+    if time.scale_open {
+        Some(no_step(&time.name))
+    } else if time.unit_open {
+        Some(Question::from(format!(
+            "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
+            time.name
+        )))
+    } else {
+        None
+    }
+}
+
+/// The question for the step of a column that counts rows.
+fn no_step(name: &str) -> Question {
+    let text =
+        format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t");
+    Question { about: About::Period, text }
+}
+
+/// The question if no time column was found.
+pub(super) fn no_time(period_open: bool) -> Question {
+    let text = if period_open {
+        "what is the sampling period [s]? No column increases steadily: if the period is constant, write t = { period = 0.02 }; otherwise the name of the time column (t)"
+    } else {
+        "which column contains the time (t)? If none does and rows come at a fixed period, write t = { period = 0.02 }"
+    };
+    Question { about: About::Period, text: text.into() }
+}
+
+/// The unit of a time that its name does not state, from its rate.
+pub(super) fn time(values: &[f64], one: &mut Guessed) {
+    let is_known =
+        one.unit.is_some() || one.unit_open || one.nanoseconds.is_some() || one.scale_open;
+    let Some(step) = row_step(values, one.sum).filter(|_| !is_known) else { return };
+    let held = || values.iter().copied().filter(|v| v.is_finite());
+    let (first, last) = if one.sum {
+        (0.0, held().sum())
+    } else {
+        (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
+    };
+    // rows in disorder have no rate; a counter may wrap
+    let is_back = one.scale.is_some_and(|scale| scale < 0.0);
+    if last <= first && !is_back && !increases(values) {
+        return;
+    }
+    let passed = match values.windows(2).any(|w| w[1] < w[0]) && !one.sum && !is_back {
+        true => values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).sum(),
+        false => last - first,
+    };
+    // counters of 32 bits are beyond the seconds of a calendar, which advance more slowly
+    let is_counter = whole(values) && largest(values) < COUNTER && step * STATED > 1.0;
+    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    let rate = |factor: f64| 1.0 / (step * factor);
+    let sound = |factor: f64| {
+        let calendar = first * factor > 0.3 * CALENDAR && first * factor < 4.0 * CALENDAR;
+        rate(factor) >= RATES.0
+            && rate(factor) <= RATES.1
+            && (first < CALENDAR || calendar || is_counter)
+    };
+    if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
+        let (steps, seconds) = (DAY * step, passed * DAY);
+        one.unit = Some("d".into());
+        one.evidence.push(format!(
+            "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
+            rate(DAY)
+        ));
+        return;
+    }
+    // fractions at a slow rate are not milliseconds if those would give an implausible log
+    let is_slow = !whole(values)
+        && (SLOWEST..RATES.0).contains(&rate(1.0))
+        && passed * 1e-3 < SHORTEST
+        && first < CALENDAR;
+    let is_stated = named(&one.name).unit == Some("s") && (STATED..RATES.1).contains(&rate(1.0));
+    if is_slow || is_stated {
+        return;
+    }
+    let Some((unit, factor)) = units.into_iter().find(|(_, f)| sound(*f)) else { return };
+    if unit != "s" {
+        one.unit = Some(unit.into());
+        one.evidence.push(format!(
+            "{:.0} s at {:.3} Hz would be no log: this is {unit} ({:.1} s at {:.0} Hz)",
+            passed,
+            1.0 / step,
+            passed * factor,
+            rate(factor)
+        ));
+    }
+}
+
+/// Seconds of a day.
+const DAY: f64 = 86_400.0;
+
+/// Whether a number may be that of a day of 1990 to 2090: since 1900 (spreadsheets), 1970 or the year 0 (MATLAB).
+fn are_days(first: f64) -> bool {
+    [0.0, 25_569.0, -693_960.0].iter().any(|epoch| (32_874.0..69_400.0).contains(&(first + epoch)))
+}
+
+/// Repeated stamps for each that differs beyond which a clock is coarser than the rows.
+const COARSE: f64 = 0.5;
+
+/// Time between two rows, in the unit of the column, which holds times or steps.
+pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
+    let steps: Vec<f64> =
+        if are_steps { values.to_vec() } else { values.windows(2).map(|w| w[1] - w[0]).collect() };
+    let forward = || steps.iter().copied().filter(|h| *h > 0.0);
+    let (count, repeated) =
+        (forward().count() as f64, steps.iter().filter(|h| **h == 0.0).count() as f64);
+    let step = (count > 0.0).then(|| median_high(forward()))?;
+    Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
+}
+
+/// Seconds of a unit of time.
+pub(super) fn seconds(time: &Guessed) -> f64 {
+    match time.unit.as_deref() {
+        Some("ms") => 1e-3,
+        Some("us") => 1e-6,
+        Some("ns") => 1e-9,
+        Some("min") => 60.0,
+        Some("h") => 3600.0,
+        Some("d") => DAY,
+        _ => 1.0,
+    }
+}
