@@ -61,7 +61,7 @@ pub(crate) fn input(recording: &Recording) -> Input<'_> {
 
 pub(crate) fn likelihood(recordings: &[Recording]) -> Likelihood<'_> {
     let prepared = recordings.iter().map(prepare).collect();
-    Likelihood { prepared, hold: Hold::Linear, slow_moment: true, timing: false }
+    Likelihood { prepared, hold: Hold::Linear, slow_moment: true, timing: false, step_scatter: 1.0 }
 }
 
 pub(crate) fn method(name: &str) -> Box<dyn Identifier> {

@@ -65,6 +65,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
         hold: Hold::Linear,
         slow_moment: true,
         timing: false,
+        step_scatter: 1.0,
     };
     let settings = Settings { max_effects: 1, ..Settings::default() };
     let starts = [start::start(&task, "effect_pages")?, without.initial()];
