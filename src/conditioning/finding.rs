@@ -189,7 +189,7 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input that is held until the next row, as determined from the motion.
     HeldInput,
-    /// An input that is said to be held from row to row and changes between the rows, as determined from the motion.
+    /// An input that the experiment file describes as held from row to row and that changes between the rows, as determined from the motion.
     StepsBetweenRows,
     /// Shift of the input relative to the mean of the recordings, as determined from the motion.
     Phase {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::scale::scale_of;
-use super::speed_filter::{Search, SpeedFilter};
+use super::speed_filter::{Averaged, Search, SpeedFilter};
 use super::thresholds::THRESHOLDS;
 use super::timing::{Timed, likelihood_with_scatter, log_likelihood, timed};
 use crate::effects::{self, Effect, ParameterKind, Scale};
@@ -29,7 +29,7 @@ pub struct Logging {
 
 /// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold` and the speeds
 /// are those of the wheels: averages of the speeds over the rows (not of `recordings` with angles), and, where
-/// `steps` allows it for an input that is said to be held, changes of the input between the rows. This is asked where a model at
+/// `steps` allows it for an input that the file describes as held, changes of the input between the rows. This is asked where a model at
 /// `p` does not explain the motion within noise, or is late; `None` otherwise.
 ///
 /// ```text
@@ -57,19 +57,20 @@ pub fn more_likely_logging(
     if !above && !given.is_late(scale.logging) {
         return None;
     }
-    // the likelihood of an incomplete model counts by as much less as its squared errors are larger than noise
-    let sure = SURE * given.error().powi(2).max(1.0);
     let plain = log_likelihood(&given.fit, recordings, hold)?;
-    let surely = |account: &Account, other: f64| {
+    // the likelihood of an incomplete model counts by as much less as its squared errors are larger than noise
+    let surely = |account: &Account, other: f64, error: f64| {
+        let sure = SURE * error.powi(2).max(1.0);
         let effects = context.with_effects(&account.logging.p, hold);
         let rivals = effects.chain(account.rivals.iter().copied());
         account.likelihood - rivals.fold(other, f64::max) > sure
     };
-    let averaged = context.averaged(&given, p.len(), hold).filter(|a| surely(a, plain));
+    let averaged = context.averaged(&given, p.len(), hold).filter(|a| surely(a, plain, a.error));
     let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
     let between = if above && steps { context.between_rows(p) } else { vec![] };
     let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
-    let likeliest = between.filter(|a| surely(a, held)).or(averaged);
+    // the errors of steps between the rows are small by their own large noise
+    let likeliest = between.filter(|a| surely(a, held, given.error())).or(averaged);
     likeliest.map(|account| account.logging)
 }
 
@@ -77,6 +78,8 @@ pub fn more_likely_logging(
 struct Account {
     logging: Logging,
     likelihood: f64,
+    /// Ratio of the error of its fit to noise.
+    error: f64,
     rivals: Vec<f64>,
 }
 
@@ -97,10 +100,11 @@ impl<'a> Context<'a, '_> {
         let Self { model, recordings, scale } = *self;
         let p = &plain.fit.p[..count];
         let search = Search { plain, model, p, recordings, hold, scale };
-        let (low_pass, likelihood, p) = search.most_likely()?;
+        let Averaged { low_pass, likelihood, p, error } = search.most_likely()?;
         let late = search.late_actuators(low_pass.low_pass);
         let rivals = late.iter().filter_map(|fit| log_likelihood(fit, recordings, hold)).collect();
-        Some(Account { logging: Logging { hold, low_pass: Some(low_pass), p }, likelihood, rivals })
+        let logging = Logging { hold, low_pass: Some(low_pass), p };
+        Some(Account { logging, likelihood, error, rivals })
     }
 
     /// Steps of the input between the rows, with the speeds as recorded and with their likeliest average.
@@ -113,7 +117,7 @@ impl<'a> Context<'a, '_> {
             return vec![];
         }
         let logging = Logging { hold, low_pass: None, p: timed.fit.p[..p.len()].to_vec() };
-        let alone = Account { logging, likelihood, rivals: vec![] };
+        let alone = Account { logging, likelihood, error: timed.error(), rivals: vec![] };
         [alone].into_iter().chain(self.averaged(&timed, p.len(), hold)).collect()
     }
 

@@ -149,6 +149,17 @@ enum Noise {
     Removed,
 }
 
+/// An average of the speeds over the rows.
+pub(super) struct Averaged {
+    pub(super) low_pass: SpeedFilter,
+    /// Log-likelihood of the recorded speeds.
+    pub(super) likelihood: f64,
+    /// Parameters of the model fitted before the average.
+    pub(super) p: Vec<f64>,
+    /// Ratio of the error of that fit to noise.
+    pub(super) error: f64,
+}
+
 /// The low-passes of speeds, with a model near `p`.
 pub(super) struct Search<'a, 'b> {
     /// The model fitted to the speeds as recorded.
@@ -233,31 +244,27 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The likeliest average over the rows, with the log-likelihood of the recorded speeds and the parameters of the model.
-    /// Noise of the sensor that passed through an average is correlated from row to row, whatever the motion, and white before
+    /// The likeliest average over the rows. Noise of the sensor that passed through an average is correlated from row to row, whatever the motion, and white before
     /// it. `None` of recordings with angles, which determine a low-pass directly.
-    pub(super) fn most_likely(&self) -> Option<(SpeedFilter, f64, Vec<f64>)> {
+    pub(super) fn most_likely(&self) -> Option<Averaged> {
         if self.recordings.iter().any(|r| r.measured().alpha) {
             return None;
         }
         let computed = Computed::AtRows;
-        let likelihood = |time_s: f64| self.log_likelihood(LowPass { computed, time_s });
-        let score = |time_s: f64| likelihood(time_s).map_or(f64::INFINITY, |(l, _)| -2.0 * l);
+        let of = |time_s: f64| self.averaged(LowPass { computed, time_s });
+        let score = |time_s: f64| of(time_s).map_or(f64::INFINITY, |a| -2.0 * a.likelihood);
         let (time_s, bend) = self.least(&score)?;
-        let (likely, p) = likelihood(time_s)?;
+        let found = of(time_s)?;
         let std_error_s = time_s * (2.0 / bend).sqrt();
-        let low_pass = LowPass { computed, time_s };
-        Some((SpeedFilter { low_pass, std_error_s, or_late: false }, likely, p))
+        Some(Averaged { low_pass: SpeedFilter { std_error_s, ..found.low_pass }, ..found })
     }
 
-    /// Log-likelihood of the recorded speeds y as averages over the rows of speeds x, and the parameters of the model fitted to
-    /// these.
-    /// `None` where the robot would move before its input.
+    /// The recorded speeds y as averages over the rows of speeds x, with the model fitted to these. `None` where the robot would move before its input.
     ///
     /// ```text
     /// ln p(y) = ln p(x) - n ln g,   x(k) = y(k-1) + (y(k) - y(k-1))/g,   n: number of speeds
     /// ```
-    fn log_likelihood(&self, filter: LowPass) -> Option<(f64, Vec<f64>)> {
+    fn averaged(&self, filter: LowPass) -> Option<Averaged> {
         let before = self.before(filter);
         let rows: Vec<&Recording> = before.iter().collect();
         let wheels = if rows.iter().all(|r| r.is_single_axis()) { 1.0 } else { 2.0 };
@@ -267,13 +274,15 @@ impl Search<'_, '_> {
         };
         let narrowed: f64 = rows.iter().map(of).sum();
         let fitted = self.fitted(&before)?;
+        let likelihood = log_likelihood(&fitted.fit, &rows, self.hold)? - narrowed;
+        let low_pass = SpeedFilter { low_pass: filter, std_error_s: 0.0, or_late: false };
+        let (p, error) = (fitted.fit.p[..self.p.len()].to_vec(), fitted.error());
         let causal = !fitted.is_early(self.scale.logging);
-        let likely = log_likelihood(&fitted.fit, &rows, self.hold)?;
-        causal.then(|| (likely - narrowed, fitted.fit.p[..self.p.len()].to_vec()))
+        causal.then_some(Averaged { low_pass, likelihood, p, error })
     }
 
-    /// Fits with each effect that delays the actuator, starting at about the time constant of the filter. As with the low-pass filter, the shift of the input is estimated too, except with a delay, which is
-    /// equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
+    /// Fits with each effect that delays the actuator, starting at about the time constant of the filter. As with the
+    /// low-pass filter, the shift of the input is estimated too, except with a delay, which is equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
     /// attributes much of the delay to the inertia.
     pub(super) fn late_actuators(&self, filter: LowPass) -> Vec<WindowFit> {
         let before = self.before(filter);

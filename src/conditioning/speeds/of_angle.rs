@@ -71,8 +71,7 @@ pub(super) fn left(s: &Samples) -> Option<Left> {
     if fourth_difference_correlation(&runs)? > WHITE {
         return None;
     }
-    // every piece loses the width of the filter
-    let half = HALF.min(s.t.len() / (2 * (FEWEST + s.pieces.len())));
+    let half = HALF.min(s.t.len() / (2 * FEWEST));
     let inside = s.pieces.iter().flat_map(|p| p.start + half..p.end.saturating_sub(half));
     let inside: Vec<usize> = inside.collect();
     let rows: Vec<usize> =

@@ -155,7 +155,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             }
         ),
         Kind::StepsBetweenRows => format!(
-            "{name} is said to be held from row to row, but changes between the rows: its steps act at times that \
+            "{name} changes between the rows although the file states hold = \"constant\": its steps act at times that \
              scatter over the row (the controller runs faster than the log, or beside it)"
         ),
         Kind::HeldInput => format!(
