@@ -6,7 +6,7 @@ use crate::recording::Recording;
 use crate::simulate::Hold;
 
 /// Increase of the log-likelihood for which another level of noise, or another account of the input, is accepted
-/// [nats]: four standard errors.
+/// \[nats\]: four standard errors.
 pub const SURE: f64 = 8.0;
 
 /// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
