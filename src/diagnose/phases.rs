@@ -13,7 +13,7 @@ use crate::recording::Recording;
 use crate::simulate::{Hold, PhysicalDynamics};
 
 /// Standard errors by which the time of one recording differs from that of the others: one log in a million by chance.
-const SURE: f64 = 5.0;
+pub(super) const SURE: f64 = 5.0;
 /// Smallest difference of times, in rows, that is corrected (judgement).
 const LEAST: f64 = 0.1;
 /// Rows by which phases differ at most.

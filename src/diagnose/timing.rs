@@ -188,16 +188,18 @@ pub(super) struct Timed<'a> {
 impl Timed<'_> {
     /// Whether the motion is later than logging explains \[s\].
     pub(super) fn is_late(&self, logging: f64) -> bool {
-        let (j, fit) = (self.shift, &self.fit);
-        let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
-        fit.p[j] - error > logging
+        self.shift_less_errors(1.0) > logging
     }
 
     /// Whether the motion is earlier than logging explains \[s\].
     pub(super) fn is_early(&self, logging: f64) -> bool {
+        self.shift_less_errors(-1.0) < -logging
+    }
+
+    /// The shift less so many times its uncertainty \[s\].
+    fn shift_less_errors(&self, times: f64) -> f64 {
         let (j, fit) = (self.shift, &self.fit);
-        let error = THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
-        fit.p[j] + error < -logging
+        fit.p[j] - times * (THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt())
     }
 
     /// Ratio of the error of the windows to its value under noise.

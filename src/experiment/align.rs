@@ -60,8 +60,12 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let mut share = share_of_noise(plan, &start);
     let moved = match own {
         true => None,
-        false => as_logged(plan, &start, share, asked.settings)
-            .or_else(|| unfiltered(plan, &start, share, asked.settings.speeds)),
+        false => {
+            let train = train_with_noise(plan, share);
+            let recordings: Vec<&Recording> = train.iter().collect();
+            as_logged(plan, &start, &recordings, asked.settings)
+                .or_else(|| unfiltered(plan, &start, &recordings, asked.settings.speeds))
+        }
     };
     if let Some(moved) = moved {
         start = moved;
@@ -200,15 +204,18 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
 
 /// Simulates with the most likely account of what the logger did ([`more_likely_logging`]), and reports it. Returns the
 /// parameters under this account, or `None` if there is no other.
-fn as_logged(plan: &mut Plan, start: &[f64], share: f64, settings: Settings) -> Option<Vec<f64>> {
+fn as_logged(
+    plan: &mut Plan,
+    start: &[f64],
+    train: &[&Recording],
+    settings: Settings,
+) -> Option<Vec<f64>> {
     if !settings.speeds {
         return None;
     }
     // without a diagnosis the model need not be complete, and the file's `hold` stands
     let steps = settings.rows && plan.diagnosis.is_some();
-    let train = train_with_noise(plan, share);
-    let recordings: Vec<&Recording> = train.iter().collect();
-    let found = more_likely_logging(&plan.model, start, &recordings, plan.hold, steps)?;
+    let found = more_likely_logging(&plan.model, start, train, plan.hold, steps)?;
     if found.hold != plan.hold {
         let between =
             |i| Finding::corrected(Channel::Input(i), Kind::StepsBetweenRows, "rows", true);
@@ -223,10 +230,13 @@ fn as_logged(plan: &mut Plan, start: &[f64], share: f64, settings: Settings) -> 
 
 /// Replaces speeds after a low-pass of their sensor by those before it, if `correct`, and reports this.
 /// Returns the parameters for the changed recordings, or `None` if they are unchanged.
-fn unfiltered(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
-    let train = train_with_noise(plan, share);
-    let recordings: Vec<&Recording> = train.iter().collect();
-    let filter = speed_filter(&plan.model, start, &recordings, plan.hold)?;
+fn unfiltered(
+    plan: &mut Plan,
+    start: &[f64],
+    train: &[&Recording],
+    correct: bool,
+) -> Option<Vec<f64>> {
+    let filter = speed_filter(&plan.model, start, train, plan.hold)?;
     filtered_by(plan, filter, correct);
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }

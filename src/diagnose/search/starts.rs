@@ -9,6 +9,7 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
+use crate::diagnose::phases::SURE;
 use crate::diagnose::regression::Buffers;
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -28,9 +29,6 @@ const REFINEMENTS: usize = 5;
 /// errors. Errors of windows are not independent, and for periodic torques that are absent, separate phases
 /// in each recording fit with six.
 const KNOWN: f64 = 0.1;
-/// Standard errors by which a start angle differs from zero: another effect that is missing too adds errors that are not independent,
-/// as in [`phases`](super::super::phases).
-const SURE: f64 = 5.0;
 /// Smallest phase \[rad\] for which a recording is moved; without the move a twentieth of the wave would
 /// remain.
 const LEAST: f64 = 0.05;
@@ -120,6 +118,7 @@ fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
         let (angle, std_error_rad) =
             (within_turn(wave, found.shifts[r][w]), found.std_errors[r][w]);
         let (size, error) = (angle.abs() * wave.order, std_error_rad * wave.order);
+        // another effect that is missing too adds errors that are not independent
         let worth = error < KNOWN && size > LEAST && size > SURE * error;
         worth.then_some(StartAngle { of: wave.of, angle_rad: angle, std_error_rad })
     };
