@@ -5,6 +5,7 @@
 
 mod compared;
 mod errors;
+mod linear;
 mod sums;
 mod window;
 
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 
 use self::compared::{Compared, every, is_new, variance};
 pub(super) use self::errors::Errors;
+use self::linear::Linear;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
 use self::window::{WINDOW, Window, cut};
@@ -232,7 +234,9 @@ impl<'a> Windows<'a> {
                 let (input, derivatives) = &acting[r];
                 let (t, hold) = (recording.t(), self.hold);
                 let input = ActingInput { t, acting: input, derivatives, hold };
+                let linear = Linear::new(p, free, recording.top_speed());
                 make(window, &mut |see| {
+                    let see = &mut linear.see(see);
                     let mut psi = Vec::with_capacity(free.len());
                     let mut compared = Compared::new(recording, window);
                     let mut before = [0, 1].map(|_| vec![0.0; free.len()]);
@@ -291,7 +295,10 @@ impl<'a> Windows<'a> {
             .par_iter()
             .enumerate()
             .map(|(n, window)| {
+                let top = self.recordings[window.recording].top_speed();
+                let linear = Linear::new(p, free, top);
                 make(window, &mut |see| {
+                    let see = &mut linear.see(see);
                     let mut psi = Vec::with_capacity(free.len());
                     for k in 0..window.rows.len() {
                         for i in 0..2 {
