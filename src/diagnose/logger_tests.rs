@@ -48,6 +48,32 @@ fn stepped(
     Recording::new("stepped", channels, DriveUnit::NewtonMetre).unwrap()
 }
 
+/// 30 s at 100 Hz of the AmigoBot, whose friction is three times as large at rest as at 2 rad/s, under torques that rise slowly from
+/// zero until the wheels have broken away, and then fall, with noise of 0.01 rad/s.
+fn breaking_away() -> Recording {
+    let model = Model::with_effects(Robot::amigobot(), &["stribeck"]).unwrap();
+    let mut p = model.initial();
+    let level = p[3];
+    p[5..].copy_from_slice(&[2.0 * level, 2.0, 0.0, 1.0]);
+    let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
+    let at = |t: &f64| {
+        let (run, now) = ((t / 2.0).floor(), t % 2.0);
+        let rises = if now < 1.2 { now / 1.2 } else { 0.4 * (2.0 - now) };
+        let way = if run % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        // the wheels break away at different times
+        [4.0 * level * rises * way, 3.4 * level * rises * way]
+    };
+    let torque: Vec<[f64; 2]> = t.iter().map(at).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(51);
+    let mut noise =
+        || 0.01 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
+    let omega = motion.iter().map(|s| s.omega.map(|w| w + noise())).collect();
+    let channels = Channels { t, alpha: None, omega: Some(omega), torque };
+    Recording::new("breaking away", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
 /// Parameters by the balance of the torques; steps of the input are no noise of it.
 fn started(model: &Model, recording: &mut Recording) -> Vec<f64> {
     let train = std::slice::from_ref(recording);
@@ -119,4 +145,14 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     let found = timing(&model, &held, &[&recording], Hold::Constant).unwrap();
     let row = recording.step();
     assert!((found.dead_time_s + row).abs() < 0.1 * row, "{found:?}");
+}
+
+#[test]
+fn friction_that_is_larger_at_rest_is_no_low_pass_and_no_dead_time() {
+    let model = Model::base(Robot::amigobot());
+    let mut recording = breaking_away();
+    let first = started(&model, &mut recording);
+    assert_eq!(speed_filter(&model, &first, &[&recording], Hold::Linear), None);
+    let found = timing(&model, &first, &[&recording], Hold::Linear);
+    assert!(found.is_none_or(|found| !found.is_late()), "{found:?}");
 }

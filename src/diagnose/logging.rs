@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::scale::scale_of;
 use super::speed_filter::{Averaged, Search, SpeedFilter};
 use super::thresholds::THRESHOLDS;
 use super::timing::{Timed, likelihood_with_scatter, log_likelihood, timed};
-use crate::effects::{self, Effect, ParameterKind, Scale};
+use crate::effects::{self, Change, Effect, ParameterKind, Scale};
 use crate::filter::SURE;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -36,8 +38,9 @@ pub struct Logging {
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
 /// ```
 /// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time of the input.
-/// The account given may also contain any effect of the catalogue that acts on the input, since a lag too shows
-/// itself at the steps, and at the speeds.
+/// If the account given is as likely with an effect of the catalogue, other than a second body, the two are compared again with the
+/// likeliest of these in the model: a lag shows itself at the steps too, and friction that is larger at rest makes speeds late.
+/// Recordings with no more windows than parameters follow any account, and show none.
 #[must_use]
 pub fn more_likely_logging(
     model: &Model,
@@ -51,27 +54,14 @@ pub fn more_likely_logging(
         return None;
     }
     let scale = scale_of(model, p, recordings);
-    let context = Context { model, recordings, scale: &scale };
-    let given = timed(model, p, 0.0, recordings, hold, &scale)?;
-    let above = given.error() > THRESHOLDS.above_floor;
-    if !above && !given.is_late(scale.logging) {
-        return None;
-    }
-    let plain = log_likelihood(&given.fit, recordings, hold)?;
-    // the likelihood of an incomplete model counts by as much less as its squared errors are larger than noise
-    let surely = |account: &Account, other: f64, error: f64| {
-        let sure = SURE * error.powi(2).max(1.0);
-        let effects = context.with_effects(&account.logging.p, hold);
-        let rivals = effects.chain(account.rivals.iter().copied());
-        account.likelihood - rivals.fold(other, f64::max) > sure
+    let context = Context { model, recordings, scale: &scale, steps };
+    let found = context.likelier(p, hold)?;
+    let Some((model, start)) = context.as_likely_with_effect(&found, hold) else {
+        return Some(found.logging);
     };
-    let averaged = context.averaged(&given, p.len(), hold).filter(|a| surely(a, plain, a.error));
-    let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
-    let between = if above && steps { context.between_rows(p) } else { vec![] };
-    let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
-    // the errors of steps between the rows are small by their own large noise
-    let likeliest = between.filter(|a| surely(a, held, given.error())).or(averaged);
-    likeliest.map(|account| account.logging)
+    let mut logging = Context { model: &model, ..context }.likelier(&start, hold)?.logging;
+    logging.p.truncate(p.len());
+    Some(logging)
 }
 
 /// An account with its log-likelihood, and those of late actuators in place of its average.
@@ -83,11 +73,21 @@ struct Account {
     rivals: Vec<f64>,
 }
 
+impl Account {
+    /// Whether it is more likely than another, whose likelihood is given. The likelihood of an incomplete model counts by as much
+    /// less as its squared errors, `error` times noise, are larger than noise.
+    fn is_surer(&self, other: f64, error: f64) -> bool {
+        self.likelihood - other > SURE * error.powi(2).max(1.0)
+    }
+}
+
 /// What every account is fitted to.
 struct Context<'a, 'b> {
     model: &'b Model,
     recordings: &'b [&'a Recording],
     scale: &'b Scale,
+    /// Whether changes of the input between the rows are asked.
+    steps: bool,
 }
 
 impl<'a> Context<'a, '_> {
@@ -97,7 +97,7 @@ impl<'a> Context<'a, '_> {
 
     /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count` parameters.
     fn averaged(&self, plain: &Timed, count: usize, hold: Hold) -> Option<Account> {
-        let Self { model, recordings, scale } = *self;
+        let Self { model, recordings, scale, .. } = *self;
         let p = &plain.fit.p[..count];
         let search = Search { plain, model, p, recordings, hold, scale };
         let Averaged { low_pass, likelihood, p, error } = search.most_likely()?;
@@ -121,22 +121,50 @@ impl<'a> Context<'a, '_> {
         [alone].into_iter().chain(self.averaged(&timed, p.len(), hold)).collect()
     }
 
-    /// Log-likelihoods of the recordings as given, with each effect that acts on the input.
-    fn with_effects(&self, p: &[f64], hold: Hold) -> impl Iterator<Item = f64> {
-        let extended = acting_on_input(self.scale)
-            .into_iter()
-            .filter_map(|e| extended(self.model, p, e, self.scale));
-        extended.filter_map(move |(model, p)| {
-            log_likelihood(&self.timed(&model, &p, hold)?.fit, self.recordings, hold)
-        })
+    /// The account that is significantly more likely than the one given, with the model near `p`.
+    fn likelier(&self, p: &[f64], hold: Hold) -> Option<Account> {
+        let given = self.timed(self.model, p, hold)?;
+        let above = given.error() > THRESHOLDS.above_floor;
+        if given.fit.is_short() || !above && !given.is_late(self.scale.logging) {
+            return None;
+        }
+        let plain = log_likelihood(&given.fit, self.recordings, hold)?;
+        let is_surer = |account: &Account, other: f64, error: f64| {
+            account.is_surer(account.rivals.iter().copied().fold(other, f64::max), error)
+        };
+        let averaged = self.averaged(&given, p.len(), hold);
+        let averaged = averaged.filter(|a| is_surer(a, plain, a.error));
+        let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
+        let between = if above && self.steps { self.between_rows(p) } else { vec![] };
+        let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
+        // the errors of steps between the rows are small by their own large noise
+        let between = between.filter(|a| is_surer(a, held, given.error()));
+        between.map(|account| Account { error: given.error(), ..account }).or(averaged)
+    }
+
+    /// The likeliest model with an effect of [`rivals`] with which the account given is about as likely as another one, with its
+    /// parameters.
+    fn as_likely_with_effect(&self, account: &Account, hold: Hold) -> Option<(Model, Vec<f64>)> {
+        let likelihood = |(model, p): (Model, Vec<f64>)| {
+            let fit = self.timed(&model, &p, hold)?.fit;
+            let likelihood = log_likelihood(&fit, self.recordings, hold)?;
+            let p = fit.p[..p.len()].to_vec();
+            (!account.is_surer(likelihood, account.error)).then_some((likelihood, model, p))
+        };
+        let all = rivals(self.model, &account.logging.p, self.scale);
+        let near = all.into_par_iter().filter_map(likelihood);
+        let likeliest = near.max_by(|a, b| a.0.total_cmp(&b.0));
+        likeliest.map(|(_, model, p)| (model, p))
     }
 }
 
-/// The effects of the catalogue that act on the input, except a pure delay, which every fit contains.
-fn acting_on_input(scale: &Scale) -> Vec<Arc<dyn Effect>> {
-    let all = effects::all().into_iter().map(Arc::from);
-    all.filter(|e: &Arc<dyn Effect>| e.acts_on_input() && !e.is_delay() && e.admissible(scale))
-        .collect()
+/// The model near `p` with each effect of the catalogue that may make speeds late, from the middle of its shapes: all but a pure
+/// delay, which every fit contains, and a second body, whose fit is ten times as expensive.
+pub(super) fn rivals(model: &Model, p: &[f64], scale: &Scale) -> Vec<(Model, Vec<f64>)> {
+    let counts =
+        |e: &Arc<dyn Effect>| !e.is_delay() && e.change() != Change::TwoMass && e.admissible(scale);
+    let effects = effects::all().into_iter().map(Arc::from).filter(counts);
+    effects.filter_map(|effect| extended(model, p, effect, scale)).collect()
 }
 
 /// The model with an effect more, from the middle of its shapes.

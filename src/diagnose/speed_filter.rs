@@ -1,37 +1,23 @@
 //! Low-passes of speed sensors, distinguished from actuator lags.
 
+use rayon::prelude::*;
+
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::{WindowFit, fit};
+use super::logging::rivals;
+use super::low_pass::{Computed, LowPass};
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::{LONGEST, Timed, log_likelihood, timed, with_timing};
 use super::windows::{Errors, Windows};
 use crate::effects::{Change, Effect, Scale};
 use crate::model::Model;
-use crate::recording::{Recording, differentiate};
+use crate::recording::Recording;
 use crate::simulate::Hold;
 
 /// Ratio of one time constant that is tried to the next: three of them span a factor of two, over which a parabola in
 /// the logarithm follows the error.
 const RATIO: f64 = 1.4;
-
-/// Where a low-pass of the speeds is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Computed {
-    /// Before the sampling, by electronics or much faster than the rows: `T y' = x - y`.
-    Continuously,
-    /// Once a row, an exponential moving average: `y(k) = y(k-1) + g (x(k) - y(k-1))`, `g = 1 - exp(-h/T)`.
-    AtRows,
-}
-
-/// A first-order low-pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LowPass {
-    /// Where it is computed.
-    pub computed: Computed,
-    /// Its time constant \[s\].
-    pub time_s: f64,
-}
 
 /// A low-pass of the recorded speeds, as determined from the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +42,8 @@ pub struct SpeedFilter {
 /// An average over the rows is inverted exactly, and its noise is then white again. The form with the smaller error is returned.
 ///
 /// A lag of the input and one of the sensor commute in a linear system. Friction distinguishes them: after a low-pass
-/// filter of the sensor it appears delayed as well.
+/// filter of the sensor it appears delayed as well. Friction that is larger at rest makes speeds late too: if an effect of the
+/// catalogue explains the speeds significantly better, the filter must be found again with it in the model.
 #[must_use]
 pub fn speed_filter(
     model: &Model,
@@ -68,17 +55,64 @@ pub fn speed_filter(
         return None;
     }
     let scale = scale_of(model, p, recordings);
-    let plain = timed(model, p, 0.0, recordings, hold, &scale)?;
+    let of = |model: &Model, p: &[f64]| filter_under(model, p, recordings, hold, &scale);
+    let found = of(model, p)?;
+    let Some((model, p)) = found.better_effect(model, p, &scale) else { return Some(found.filter) };
+    of(&model, &p).map(|found| found.filter)
+}
+
+/// A low-pass with what it leaves in every window, beside the fit without it.
+struct Found<'a> {
+    filter: SpeedFilter,
+    left: Vec<f64>,
+    plain: Timed<'a>,
+}
+
+impl Found<'_> {
+    /// The model with the effect of the catalogue that explains the speeds as recorded best, if significantly better than the low-pass
+    /// does, with its parameters.
+    fn better_effect(&self, model: &Model, p: &[f64], scale: &Scale) -> Option<(Model, Vec<f64>)> {
+        let windows = &self.plain.windows;
+        let left = |(model, p): (Model, Vec<f64>)| {
+            let timed = with_timing(&model, scale)?;
+            let start: Vec<f64> = p.iter().copied().chain([self.plain.time_s()]).collect();
+            let fit = fit(windows, &timed, &start, scale)?;
+            let left = noiseless(windows, &fit)?;
+            let p = fit.p[..p.len()].to_vec();
+            is_better(&left, &self.left).then(|| (left.iter().sum::<f64>(), model, p))
+        };
+        let better = rivals(model, p, scale).into_par_iter().filter_map(left);
+        let best = better.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, model, p)| (model, p))
+    }
+}
+
+/// Whether squared innovations in every window are significantly smaller than others.
+fn is_better(one: &[f64], other: &[f64]) -> bool {
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    sum(one) < sum(other) && evidence(one, other) > THRESHOLDS.uncertain.powi(2)
+}
+
+/// The low-pass with the model near `p`, whatever else it lacks.
+fn filter_under<'a>(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&'a Recording],
+    hold: Hold,
+    scale: &Scale,
+) -> Option<Found<'a>> {
+    let plain = timed(model, p, 0.0, recordings, hold, scale)?;
     // at the noise floor there is no more to explain; above it the inertia may have absorbed the delay
-    if !plain.is_late(scale.logging) && plain.error() <= THRESHOLDS.above_floor {
+    let is_late = plain.is_late(scale.logging);
+    if plain.fit.is_short() || !is_late && plain.error() <= THRESHOLDS.above_floor {
         return None;
     }
     let start = &plain.fit.p[..p.len()];
-    let search = Search { plain: &plain, model, p: start, recordings, hold, scale: &scale };
+    let search = Search { plain: &plain, model, p: start, recordings, hold, scale };
     let filter = search.best()?;
     let left = search.left(filter.low_pass, Noise::Removed)?;
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-    let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, &scale)?)?;
+    let without = noiseless(&plain.windows, &fit(&plain.windows, model, start, scale)?)?;
     let most = sum(&left) < THRESHOLDS.most_left * sum(&without);
     let beyond_chance = |late: &Vec<f64>, z2: f64| evidence(late, &left) > z2;
     // of speeds that are late as a whole a short low-pass with the rest as dead time is a part of that
@@ -87,60 +121,16 @@ pub fn speed_filter(
     if !bends {
         return None;
     }
-    let late: Vec<Vec<f64>> = search
-        .late_actuators(filter.low_pass)
-        .iter()
-        .filter_map(|fit| noiseless(&plain.windows, fit))
-        .collect();
-    let is_late = |late: &Vec<f64>| {
-        sum(late) < sum(&left) && beyond_chance(late, THRESHOLDS.uncertain.powi(2))
-    };
-    let least = !late.iter().any(is_late);
+    let late = search.late_actuators(filter.low_pass);
+    if !search.is_likely(filter.low_pass, &late) {
+        return None;
+    }
+    let late: Vec<Vec<f64>> =
+        late.iter().filter_map(|fit| noiseless(&plain.windows, fit)).collect();
+    let least = !late.iter().any(|late| is_better(late, &left));
     let or_late = !late.iter().all(|late| beyond_chance(late, THRESHOLDS.alike));
-    (most && least).then_some(SpeedFilter { or_late, ..filter })
-}
-
-impl LowPass {
-    /// The output a step `h` after the output `y`, of an input on a line from one value to another.
-    ///
-    /// ```text
-    /// y' = u_1 - T (u_1 - u_0)/h + (y - u_0 + T (u_1 - u_0)/h) exp(-h/T)   continuously
-    /// y' = u_1 + (y - u_1) exp(-h/T)                                       at rows
-    /// ```
-    fn after(self, y: f64, [from, to]: [f64; 2], h: f64) -> f64 {
-        let behind = match self.computed {
-            Computed::Continuously => self.time_s * (to - from) / h,
-            Computed::AtRows => 0.0,
-        };
-        let first = if self.computed == Computed::AtRows { to } else { from };
-        to - behind + (y - first + behind) * (-h / self.time_s).exp()
-    }
-
-    /// A recording whose speeds are those before the low-pass.
-    #[must_use]
-    pub fn before(self, recording: &Recording) -> Recording {
-        let omega = recording.omega();
-        let rows: Vec<[f64; 2]> = match self.computed {
-            Computed::Continuously => {
-                let slopes = differentiate(recording.t(), omega, recording.pieces(), 1);
-                let rows = omega.iter().zip(slopes);
-                rows.map(|(w, s)| [0, 1].map(|i| w[i] + self.time_s * s[i])).collect()
-            }
-            Computed::AtRows => {
-                let kept = (-recording.step() / self.time_s).exp();
-                let mut rows = omega.to_vec();
-                for piece in recording.pieces() {
-                    // what came before the first row of a piece is unknown
-                    for k in piece.clone().skip(1) {
-                        let last = omega[k - 1];
-                        rows[k] = [0, 1].map(|i| (omega[k][i] - kept * last[i]) / (1.0 - kept));
-                    }
-                }
-                rows
-            }
-        };
-        recording.with_omega(rows)
-    }
+    let filter = SpeedFilter { or_late, ..filter };
+    (most && least).then_some(Found { filter, left, plain })
 }
 
 /// Contribution of noise of the recorded input to squared innovations.
@@ -281,6 +271,19 @@ impl Search<'_, '_> {
         causal.then_some(Averaged { low_pass, likelihood, p, error })
     }
 
+    /// Whether the recorded speeds are more likely behind a low-pass than without it, and than with each of the `late` actuators:
+    /// noise of the sensor, and a value that jumps within a row, pass through an average over the rows too. Noise may enter behind
+    /// a low-pass that is computed before the sampling; it is not asked.
+    fn is_likely(&self, filter: LowPass, late: &[WindowFit]) -> bool {
+        if filter.computed == Computed::Continuously {
+            return true;
+        }
+        let without = [&self.plain.fit].into_iter().chain(late);
+        let of = |fit| log_likelihood(fit, self.recordings, self.hold);
+        let without = without.filter_map(of).fold(f64::NEG_INFINITY, f64::max);
+        self.averaged(filter).is_some_and(|with| with.likelihood > without)
+    }
+
     /// Fits with each effect that delays the actuator, starting at about the time constant of the filter. As with the
     /// low-pass filter, the shift of the input is estimated too, except with a delay, which is equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
     /// attributes much of the delay to the inertia.
@@ -329,50 +332,4 @@ fn behind(
     };
     let error = errors.error.iter().enumerate().map(row).collect();
     Errors { error, ..*errors }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::recording::{Channels, DriveUnit};
-
-    #[test]
-    fn a_low_pass_of_a_line_is_late_by_its_time_constant() {
-        // u = 3 t: y = 3 (t - T) + 3 T exp(-t/T) from rest, whatever the steps
-        let (time, mut t, mut y) = (0.03, 0.0, 0.0);
-        let filter = LowPass { computed: Computed::Continuously, time_s: time };
-        for h in [0.01, 0.004, 0.02, 0.05] {
-            y = filter.after(y, [3.0 * t, 3.0 * (t + h)], h);
-            t += h;
-            let exact = 3.0 * (t - time) + 3.0 * time * (-t / time).exp();
-            assert!((y - exact).abs() < 1e-15, "{t}");
-        }
-    }
-
-    #[test]
-    fn an_average_over_the_rows_is_inverted_exactly() {
-        let speeds: Vec<[f64; 2]> =
-            (0..50).map(|k| [(k * k % 17) as f64, (k % 5) as f64]).collect();
-        let (h, share) = (0.02, 0.3);
-        let filter = LowPass { computed: Computed::AtRows, time_s: -h / (1.0_f64 - share).ln() };
-        let mut averaged = speeds.clone();
-        for k in 1..speeds.len() {
-            averaged[k] = [0, 1].map(|i| {
-                let y = averaged[k - 1][i];
-                let next = y + share * (speeds[k][i] - y);
-                assert!((filter.after(y, [0.0, speeds[k][i]], h) - next).abs() < 1e-12);
-                next
-            });
-        }
-        let channels = Channels {
-            t: (0..50).map(|k| h * f64::from(k)).collect(),
-            alpha: None,
-            omega: Some(averaged),
-            torque: speeds.clone(),
-        };
-        let recording = Recording::new("averaged", channels, DriveUnit::Volt).unwrap();
-        for (found, truth) in filter.before(&recording).omega().iter().zip(&speeds) {
-            assert!((0..2).all(|i| (found[i] - truth[i]).abs() < 1e-9), "{found:?} {truth:?}");
-        }
-    }
 }

@@ -75,8 +75,12 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let smoothed = Smoothed::new(recordings, scale.bandwidth);
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
     let balanced = by_balance(&regression, step);
-    let start = balanced.map_or(0.0, |(shift, _)| shift);
-    let simulated = by_simulation(model, p, start, recordings, hold, &scale);
+    // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum
+    let starts = balanced.iter().map(|(shift, _)| *shift).filter(|shift| shift.abs() > step);
+    let simulated = starts
+        .chain([0.0])
+        .filter_map(|start| by_simulation(model, p, start, recordings, hold, &scale))
+        .min_by(|a, b| a.error.total_cmp(&b.error));
     let shift = simulated.and_then(|s| s.shift);
     let (dead_time_s, std_error_s) =
         shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
@@ -186,6 +190,11 @@ pub(super) struct Timed<'a> {
 }
 
 impl Timed<'_> {
+    /// How much later than recorded the input acts \[s\].
+    pub(super) fn time_s(&self) -> f64 {
+        self.fit.p[self.shift]
+    }
+
     /// Whether the motion is later than logging explains \[s\].
     pub(super) fn is_late(&self, logging: f64) -> bool {
         self.shift_less_errors(1.0) > logging
