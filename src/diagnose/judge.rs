@@ -19,6 +19,8 @@ use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
 
 /// Standard errors by which parameters may be wrong.
 const TWO_ERRORS: f64 = 2.0;
+/// Relative difference of the errors of two simulations that rounding explains.
+const ROUNDING: f64 = 1e-9;
 
 /// The error of a model on the judged recordings together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +36,8 @@ pub struct Judgement {
 pub struct Left {
     /// The strongest dependence of the residual torque that counts as structure.
     pub structure: Option<Dependence>,
-    /// The slow part of the residual torque of the judged recordings, as autocorrelated noise of the input.
+    /// The slow part of the residual torque that the training and the judged recordings have in common, as autocorrelated noise of
+    /// the input.
     pub slow: SlowNoise,
 }
 
@@ -73,6 +76,22 @@ impl Judge {
             samples += count;
         }
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
+    }
+
+    /// Whether the effect `id` of a fit changes the judged simulations. A limit of the input that the judged recordings do not
+    /// reach may lower their error through the other parameters alone, which the recordings that reach it have biased.
+    #[must_use]
+    pub fn acts(&self, fit: &WindowFit, id: &str) -> bool {
+        let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
+            return false;
+        };
+        let mut p = fit.p.clone();
+        p.drain(fit.model.slots(e));
+        let error = |model: &Model, p: &[f64]| self.judge(model, p).map(|judged| judged.window_rms);
+        match (error(&fit.model, &fit.p), error(&fit.model.without(e), &p)) {
+            (Ok(with), Ok(without)) => (with - without).abs() > ROUNDING * with,
+            _ => true,
+        }
     }
 
     /// Root mean square error over windows of the correct model [rad/s], computed from one near it; zero if
@@ -198,9 +217,13 @@ impl Judge {
         let prepared = self.recordings.iter().map(prepare).collect();
         let elsewhere = Likelihood { prepared, ..likelihood.clone() };
         let mut out = Left { structure: None, slow: SlowNoise::default() };
-        for seen in [likelihood, &elsewhere] {
+        for (n, seen) in [likelihood, &elsewhere].into_iter().enumerate() {
             let (noise, _) = seen.noise(model, p, &seen.initial_noise());
-            out.slow = SlowNoise { sigma: noise.sigma_d, time_s: noise.tau_d };
+            let slow = SlowNoise { sigma: noise.sigma_d, time_s: noise.tau_d };
+            // a sensor has the same noise in all recordings; what one of them shows beyond it is no noise of the sensor
+            if n == 0 || slow.sigma < out.slow.sigma {
+                out.slow = slow;
+            }
             let left = unexplained_torque(model, p, &noise, seen)?;
             let Some(found) = structure(&left) else { continue };
             let last = out.structure.as_ref().map_or(0.0, |s| s.log_significance);
@@ -231,5 +254,38 @@ impl Judge {
         };
         let recordings = self.recordings.iter().map(noisier).collect();
         Self { recordings, hold: self.hold }.floor(model, p).expected
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::robot::Robot;
+    use crate::simulate::{Movement, NoiseLevel, Recorder, record};
+
+    #[test]
+    fn a_limit_that_the_recordings_do_not_reach_does_not_act_in_them() {
+        let robot = Robot::amigobot();
+        let base = Model::base(robot.clone());
+        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
+        let movement = Movement::rich(&robot, 3, 8.0, 12.0);
+        let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 3 };
+        let made = record("synthetic", &base, &base.initial(), &movement, &recorder).unwrap();
+        let largest = made.torque().iter().flatten().fold(0.0, |a: f64, m| a.max(m.abs()));
+        let judge = Judge::new(vec![made], Hold::Linear);
+        let model = Model::with_effects(robot, &["torque_saturation"]).unwrap();
+        let acts = |limit: f64| {
+            let mut p = base.initial();
+            p.push(limit);
+            let covariance = DMatrix::zeros(p.len(), p.len());
+            let at_bound = vec![false; p.len()];
+            let fit =
+                WindowFit { model: model.clone(), p, cost: 0.0, covariance, at_bound, windows: 8 };
+            judge.acts(&fit, "torque_saturation")
+        };
+        assert!(!acts(1.01 * largest));
+        assert!(acts(0.7 * largest));
     }
 }

@@ -172,6 +172,9 @@ fn reason(why: Withheld) -> String {
             "the input between its rows could cause the same; record at a higher rate to decide"
         }
         Withheld::Small => "its size does not differ significantly from zero",
+        Withheld::Idle => {
+            "it does not act in the held-out recordings, which therefore do not test it"
+        }
         Withheld::Short { windows, parameters } => {
             return format!(
                 "the training recordings are too short to prove it: {windows} windows of 1 s for {parameters} \
@@ -278,6 +281,14 @@ mod tests {
         assert!(text.starts_with("Nothing is proven to be missing. The 2 s"), "{text}");
         let end = "the error of held-out windows of 1 s falls by 25 %, but its size does not differ significantly from zero.";
         assert!(text.ends_with(end), "{text}");
+        let idle = DiagnosisStudy {
+            withheld: Some((stated.withheld.unwrap().0, Withheld::Idle)),
+            ..unknown()
+        };
+        assert!(
+            sentence(&DiagnosisStudy { verdict: Verdict::ModelSufficient, ..idle })
+                .ends_with("which therefore do not test it.")
+        );
     }
 
     #[test]

@@ -162,6 +162,8 @@ pub enum Withheld {
     BetweenRows,
     /// It does not differ significantly from zero.
     Small,
+    /// It does not act in the held-out recordings.
+    Idle,
     /// There are no more windows than parameters, so that no standard errors can be computed.
     Short {
         /// Number of windows of the training recordings.

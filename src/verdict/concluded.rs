@@ -83,7 +83,9 @@ impl<'a> Concluded<'a> {
         };
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
-            .and_then(|r| Some((r, reason(&judge, errors.after, r.refit.as_ref()?))));
+            .and_then(|r| {
+                Some((r, reason(&judge, errors.after, r.refit.as_ref()?, &r.candidate.id)))
+            });
         Ok(Self {
             diagnosis,
             basis,
@@ -210,8 +212,8 @@ fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> O
     Some(with.map_or(fall, |with| with.window_rms / errors.after.sqrt()))
 }
 
-/// Why a fit that lowers the held-out error is not accepted; `now`: square of the reported error [rad^2/s^2].
-fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
+/// Why a fit with the effect `id`, which lowers the held-out error, is not accepted; `now`: square of the reported error [rad^2/s^2].
+fn reason(judge: &Judge, now: f64, fit: &WindowFit, id: &str) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
     let open = judge.unresolved(&fit.model, &fit.p);
@@ -219,6 +221,8 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit) -> Withheld {
     // a fit that cannot be simulated also raises it
     if !(with <= now) {
         Withheld::Raises
+    } else if !judge.acts(fit, id) {
+        Withheld::Idle
     } else if fit.is_short() {
         Withheld::Short { windows: fit.windows, parameters: fit.model.free().len() }
     } else if between || now - with < open.powi(2).min(with) {

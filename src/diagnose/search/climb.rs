@@ -2,7 +2,6 @@
 //! search ends unexplained.
 
 use super::order::equals;
-use super::steps::has_size;
 use super::{Search, is_two_mass};
 use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::{Ranked, Step};
@@ -82,7 +81,7 @@ impl Search<'_> {
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
-        let sized = fits.filter(|(_, id, fit)| has_size(fit, id));
+        let sized = fits.filter(|(_, id, fit)| self.is_sized(fit, id));
         let errors = sized.map(|(n, _, fit)| (n, self.shown(fit)));
         errors.into_iter().find(|(_, error)| *error <= shown)
     }

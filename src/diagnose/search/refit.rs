@@ -105,7 +105,7 @@ impl Search<'_> {
             let none = if shift { vec![] } else { vec![0.0; shape.columns()] };
             starts.push(self.start(&before, shape, &none));
         }
-        if shift && self.is_far(present.cost) {
+        if candidate.is_of_input() && self.is_far(present.cost) {
             starts.extend(r.shapes.iter().filter_map(|shape| self.anew(&model, shape)));
         }
         let shapes = if several { r.shapes.as_slice() } else { std::slice::from_ref(candidate) };
@@ -123,8 +123,8 @@ impl Search<'_> {
         fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// Initial values estimated with the time of the input at `shape`: in a fit without it the other parameters
-    /// compensate for it (a long lag resembles inertia), and a descent from there ends in another minimum.
+    /// Initial values estimated with the input changed by `shape`: in a fit without it the other parameters
+    /// compensate for it (a long lag and a limit of the torque resemble inertia), and a descent from there ends in another minimum.
     fn anew(&self, model: &Model, shape: &Candidate) -> Option<Vec<f64>> {
         let first = model.parameters().len() - shape.p.len();
         let own = shape.p.iter().enumerate();

@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 use super::Search;
 use crate::diagnose::acceptance::{Fall, fall_of};
-use crate::diagnose::fit::{WindowFit, fit};
+use crate::diagnose::fit::{WindowFit, fit, with_sampling};
 use crate::diagnose::input_timing::shifts;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
 use crate::effects::{Change, ParameterKind, ParameterSpec};
+use crate::math::distribution::t_quantile;
 
 /// A fit evaluated on held-out recordings.
 struct HeldOut<'a> {
@@ -104,10 +105,19 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the step and all steps up to it are proven by held-out windows, and its effect differs from
-    /// zero.
+    /// Whether the step and all steps up to it are proven by held-out windows, in which its effect acts, and the effect differs
+    /// from zero.
     fn stands(&self, step: &Step) -> bool {
-        self.passes(&step.last) && self.passes(&step.total) && has_size(&step.fit, &step.id)
+        let proven = self.passes(&step.last) && self.passes(&step.total);
+        proven && self.is_sized(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
+    }
+
+    /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of a change of
+    /// a torque also those of the unknown input between the rows.
+    pub(super) fn is_sized(&self, fit: &WindowFit, id: &str) -> bool {
+        let is_shift =
+            fit.model.effects().iter().any(|e| e.id() == id && e.change() == Change::TimeShift);
+        has_size(fit, id) && (is_shift || has_size(&with_sampling(fit.clone(), &self.windows), id))
     }
 
     /// The longest sequence of tried steps whose last step and whose total are proven, and which never raises
@@ -322,15 +332,16 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
 
-/// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters differs from zero by more than its uncertainty: an
-/// effect that the training recordings do not show may lower the held-out error by accident. Recordings with fewer windows than
-/// parameters do not give the error of a time.
-pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
+/// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters differs from
+/// zero, by its 95 % interval: an effect that the training recordings do not show may lower the held-out error by accident.
+/// Recordings with fewer windows than parameters do not give the error of a time.
+fn has_size(fit: &WindowFit, id: &str) -> bool {
     let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
         return false;
     };
     let (effect, slots) = (&fit.model.effects()[e], fit.model.slots(e));
-    let is_sized = |j: usize| fit.p[j].abs() > THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt();
+    let quantile = t_quantile(0.975, fit.degrees());
+    let is_sized = |j: usize| fit.p[j].abs() > quantile * fit.covariance[(j, j)].sqrt();
     if effect.change() == Change::TimeShift {
         return fit.is_short() || is_sized(slots.start + effect.time());
     }
