@@ -166,7 +166,7 @@ impl PredictionError {
         let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
             IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Likelihood }
         })?;
-        let mut held = Held::of(task, &filter, first);
+        let mut held = Held::of(task, &filter, first, (&start, &open));
         filter.alike = held.solution.scale() > MISFIT;
         let horizons = match self.horizon_s {
             Horizon::Rule(Rule::Auto) => compared(&filter, &held),

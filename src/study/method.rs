@@ -103,9 +103,10 @@ impl MethodStudy {
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
         let is_open = |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable && !e.fixed);
+        let is_held = |j: usize| self.estimates.get(j).is_some_and(|e| e.fixed);
         let stalled = self.status == Some(Status::Stalled) && is_open(A1);
-        let nothing = [A1, A2, A4, A5].into_iter().all(is_open);
-        (stalled || nothing) && !self.gives_combination()
+        let nothing = [A1, A2, A4, A5].into_iter().all(|j| is_open(j) || is_held(j)) && is_open(A1);
+        stalled && !self.gives_inertia() || nothing && self.combinations().is_empty()
     }
 
     /// Why the recordings do not determine the model: its inertias may be due to the input between the rows, or the columns
@@ -145,9 +146,8 @@ impl MethodStudy {
         self.notes.iter().filter_map(of).collect()
     }
 
-    /// Whether a combination of the inertias is identifiable, as on straight runs, or sums over both wheels, as for a
-    /// single axis.
-    fn gives_combination(&self) -> bool {
+    /// Whether a combination of the inertias is identifiable, as on straight runs, or the inertia of a single axis may be.
+    fn gives_inertia(&self) -> bool {
         let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
         let inertias = [A1, A2].map(|j| self.estimates.get(j).map(|e| &e.symbol));
         let of_inertias = |c: &Combination| [Some(&c.first), Some(&c.second)] == inertias;
@@ -206,5 +206,13 @@ mod tests {
         let unknown = f64::INFINITY;
         assert!(of([unknown, unknown, 1.0, unknown, unknown]).is_undetermined());
         assert!(!of([1.0, unknown, unknown, unknown, unknown]).is_undetermined());
+        // a single axis, of which a2 and a3 are fixed
+        let mut axis = of([unknown, 0.0, 0.0, unknown, unknown]);
+        [1, 2].into_iter().for_each(|j| axis.estimates[j].fixed = true);
+        assert!(axis.is_undetermined());
+        let [first, second] = ["a4", "a5"].map(String::from);
+        let unknown = Unknown::Two { first, second, weight: 1.0, value: 40.0, std_error: 2.0 };
+        axis.notes = vec![Note::Unknown { unknown, effect: "base".into() }];
+        assert!(!axis.is_undetermined());
     }
 }

@@ -1,13 +1,14 @@
-//! Fixes parameters that are not identifiable at the initial values of the model.
+//! Fixes parameters that are not identifiable at initial values.
 
 use nalgebra::DMatrix;
 
 use super::descent::{Solution, descend};
 use crate::filter::HorizonFilter;
 use crate::identify::identifiability::least_known;
+use crate::identify::open_loop::OpenLoop;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
-use crate::model::base::{A1, A2, A3};
+use crate::model::base::{A1, A2, A3, A4, A5};
 use crate::recording::Recording;
 
 /// Largest radius of gyration of a robot in half tracks: that of a rod nine tracks long (chosen by
@@ -26,8 +27,14 @@ impl Held {
     /// Fixes, one after the other, parameters whose estimates would be misleading ([`least_known`]): the others may then
     /// be identifiable. An inertia of turning that is smaller than that of any robot is misleading too: with a torque that
     /// is missing in the model, small differences between the wheels of a robot that drives straight make it vanish. Then
-    /// a2 and a3 have the ratio to a1 + a2 that they have in the construction data.
-    pub(super) fn of(task: &Task, filter: &HorizonFilter, first: Solution) -> Self {
+    /// a2 and a3 have the ratio to a1 + a2 that they have in the construction data. The friction of a wheel, which those do not
+    /// contain, is the typical one or that of `start`, whichever simulates better over 2 s.
+    pub(super) fn of(
+        task: &Task,
+        filter: &HorizonFilter,
+        first: Solution,
+        (start, open): (&[f64], &OpenLoop),
+    ) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
         let sum = |p: &[f64]| p[A1] + p[A2];
@@ -36,12 +43,14 @@ impl Held {
             A2 | A3 if sum(p) > 0.0 => sum(p) / sum(&initial) * initial[j],
             _ => initial[j],
         };
+        let error = |held: &Self| open.mean(&held.model, &held.solution.p);
         // where the information is not a number, a held parameter would be found again
         while let Some(j) = out.least_known(task).filter(|j| !out.places.contains(j)) {
-            let value = at(j, &out.solution.p);
-            if out.hold(filter, j, value).is_none() {
-                break;
-            }
+            let mut values = vec![at(j, &out.solution.p)];
+            values.extend(matches!(j, A4 | A5).then_some(start[j]));
+            let held = values.into_iter().filter_map(|value| out.holding(filter, j, value));
+            let Some(best) = held.min_by(|a, b| error(a).total_cmp(&error(b))) else { break };
+            out = best;
         }
         let narrow = out
             .gyration(task, &out.solution.p)
@@ -52,7 +61,7 @@ impl Held {
             let held: Vec<usize> = [A2, A3].into_iter().filter(free).collect();
             for j in held {
                 let value = at(j, &out.solution.p);
-                out.hold(filter, j, value);
+                out = out.holding(filter, j, value).unwrap_or(out);
             }
         }
         out
@@ -69,8 +78,8 @@ impl Held {
         (two && free).then(|| (p[A1] - p[A2]) / (p[A1] + p[A2]))
     }
 
-    /// Fixes parameter `j` at `value` and descends from there; `None` if that is not possible.
-    fn hold(&mut self, filter: &HorizonFilter, j: usize, value: f64) -> Option<()> {
+    /// The same with parameter `j` fixed at `value`, after a descent from there; `None` if that is not possible.
+    fn holding(&self, filter: &HorizonFilter, j: usize, value: f64) -> Option<Self> {
         let symbol = self.model.parameters()[j].spec.symbol.clone();
         let model = self.model.fix(&symbol, value).ok()?;
         let mut p = self.solution.p.clone();
@@ -80,10 +89,9 @@ impl Held {
         }
         p[j] = value;
         crate::identify::start::sound(&model, &mut p);
-        self.solution = descend(filter, &model, (&p, self.solution.shift), 0.0)?;
-        self.places.push(j);
-        self.model = model;
-        Some(())
+        let solution = descend(filter, &model, (&p, self.solution.shift), 0.0)?;
+        let places = self.places.iter().copied().chain([j]).collect();
+        Some(Self { model, solution, places })
     }
 
     /// Fixes a2 at zero, as for a mass distributed over the track, if the inertia of turning of `chosen` is larger than that
@@ -97,7 +105,10 @@ impl Held {
     ) -> bool {
         let too_wide =
             self.gyration(task, &chosen.p).is_some_and(|squared| squared > WIDEST * WIDEST);
-        too_wide && self.hold(filter, A2, 0.0).is_some()
+        let held = too_wide.then(|| self.holding(filter, A2, 0.0)).flatten();
+        let Some(held) = held else { return false };
+        *self = held;
+        true
     }
 
     fn least_known(&self, task: &Task) -> Option<usize> {
