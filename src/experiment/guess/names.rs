@@ -295,6 +295,7 @@ mod tests {
             ("tick_ms", Some(Time), None, Some("ms")),
             ("HAL_tick", Some(Time), None, None),
             ("tick_l", Some(Angle), Some(Left), Some("ticks")),
+            ("left_pulses", Some(Angle), Some(Left), Some("ticks")),
             ("wl_meas", Some(Speed), Some(Left), None),
             ("ist_r", None, Some(Right), None),
             ("spd_l", Some(Speed), Some(Left), None),

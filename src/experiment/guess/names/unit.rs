@@ -297,7 +297,7 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
         "rev",
         Some(Quantity::Angle),
     ),
-    (&["ticks", "tick", "counts", "cnt"], "ticks", Some(Quantity::Angle)),
+    (&["ticks", "tick", "counts", "cnt", "pulses"], "ticks", Some(Quantity::Angle)),
     (&["meters", "metres"], "m", None),
     (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
     (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),

@@ -159,6 +159,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
                 "ticks",
                 "counts",
                 "count",
+                "pulses",
                 "tachometer",
                 "tacho",
                 "rev",
