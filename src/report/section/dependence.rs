@@ -1,5 +1,6 @@
 //! Dependence of the residual torque on variables, without and with the effects found.
 
+use super::intervals::intervals;
 use super::{Section, words};
 use crate::compare::{Acting, Curve, CurveBin, Mean};
 use crate::diagnose::THRESHOLDS;
@@ -35,7 +36,10 @@ impl Section for Dependence {
             return vec![];
         }
         let table = vec![table(study).into()];
-        vec![figure(study).into(), Block::folded("All variables", table)]
+        let mut out = vec![figure(study).into()];
+        out.extend(intervals(study).map(Block::from));
+        out.push(Block::folded("All variables", table));
+        out
     }
 }
 

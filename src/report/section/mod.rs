@@ -1,6 +1,7 @@
 //! The sections of a report, one per file, in reading order.
 
 mod curves;
+mod intervals;
 mod listed;
 mod overlay;
 mod what_if;
