@@ -217,6 +217,10 @@ impl Columns for Bins<'_> {
         Variable::ALL.len() * 2 * BINS
     }
 
+    fn together(&self) -> usize {
+        2 * BINS
+    }
+
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
         out.iter_mut().for_each(|column| *column = [0.0; 2]);
         for (v, variable) in Variable::ALL.iter().enumerate() {
