@@ -1,7 +1,7 @@
 //! Recordings with an effect hidden in them, fits without and with it, and the diagnosis.
 
 use amigo_ident::compare::{
-    Dependence, Variable, noise_floor, simulate_recording, unexplained_torque, window_rms,
+    Asked, Dependence, Variable, noise_floor, simulate_recording, unexplained_torque, window_rms,
 };
 use amigo_ident::diagnose::{Data, Diagnosis, Settings, diagnose};
 use amigo_ident::effects::BASE;
@@ -75,7 +75,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, Failure> {
     let [held_out] = held;
     let base = &diagnosis.base;
     let (noise, _) = likelihood.noise(&base.model, &base.p, &likelihood.initial_noise());
-    let missing = unexplained_torque(&base.model, &base.p, &noise, &likelihood)?;
+    let missing = unexplained_torque(&base.model, &base.p, &noise, &likelihood, Asked::Curves)?;
     let strongest = missing.dependences[0].variable;
     // a variable that follows the one of the picture may show as much
     let first: Vec<Variable> = missing.dependences.iter().take(3).map(|d| d.variable).collect();

@@ -34,7 +34,7 @@ pub use regime::{Failure, failures};
 pub use residual_torque::residual_torque;
 pub(crate) use residual_torque::{REST, WIDTH};
 pub use unexplained_torque::{
-    Bin, Dependence, UnexplainedTorque, Variable, log_significance, score_statistic,
+    Asked, Bin, Dependence, UnexplainedTorque, Variable, log_significance, score_statistic,
     unexplained_torque,
 };
 pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

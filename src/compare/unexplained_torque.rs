@@ -125,7 +125,7 @@ pub struct Bin {
 pub struct Dependence {
     /// Variable of the abscissa.
     pub variable: Variable,
-    /// Bins in order.
+    /// Bins in order; none without curves.
     pub bins: Vec<Bin>,
     /// Test statistic: chi-square distributed with `rank` degrees of freedom if the model is complete.
     pub statistic: f64,
@@ -133,8 +133,17 @@ pub struct Dependence {
     pub rank: usize,
     /// -ln of the p-value.
     pub log_significance: f64,
-    /// Root mean square of the curve over bins and wheels, minus its own noise [N m].
+    /// Root mean square of the curve over bins and wheels, minus its own noise [N m]; NaN without curves.
     pub size: f64,
+}
+
+/// What of the residual torque is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// The tests.
+    Tests,
+    /// The curves too, which take another search for the noise and another pass.
+    Curves,
 }
 
 /// All dependences, the strongest first.
@@ -164,6 +173,7 @@ pub fn unexplained_torque(
     p: &[f64],
     noise: &ProcessNoise,
     likelihood: &Likelihood,
+    asked: Asked,
 ) -> Result<UnexplainedTorque, ModelError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
     let edges = Variable::ALL.map(|v| edges(v, model, &recordings));
@@ -171,12 +181,17 @@ pub fn unexplained_torque(
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
     let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
-    // the tests include the slow unknown torque, which would absorb most of the curves; the curves are
-    // computed without it, at the white noise that then fits
-    let white = Likelihood { slow_moment: false, ..likelihood.clone() };
-    let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
-    let (flat, _) = white.noise(model, p, &flat);
-    let (curve_h, curve_g) = white.totals(model, p, &flat, &all)?;
+    let curves = match asked {
+        Asked::Tests => None,
+        // the tests include the slow unknown torque, which would absorb most of the curves; the curves are
+        // computed without it, at the white noise that then fits
+        Asked::Curves => {
+            let white = Likelihood { slow_moment: false, ..likelihood.clone() };
+            let flat = ProcessNoise { sigma_d: 0.0, ..*noise };
+            let (flat, _) = white.noise(model, p, &flat);
+            Some(white.totals(model, p, &flat, &all)?)
+        }
+    };
     let mut dependences: Vec<Dependence> = Variable::ALL
         .iter()
         .enumerate()
@@ -184,9 +199,13 @@ pub fn unexplained_torque(
             let start = p.len() + v * 2 * BINS;
             let columns: Vec<usize> = (start..start + 2 * BINS).collect();
             let (statistic, rank) = test(&h, &g, &base, &columns);
-            let bins = curve(&edges[v], &curve_h, &curve_g, &base, &columns);
+            let curve =
+                |(h, g): &(DMatrix<f64>, DVector<f64>)| curve(&edges[v], h, g, &base, &columns);
+            let (bins, size) = curves.as_ref().map(curve).map_or((vec![], f64::NAN), |bins| {
+                let size = size(&bins);
+                (bins, size)
+            });
             let log_significance = log_significance(statistic, rank);
-            let size = size(&bins);
             Dependence { variable, bins, statistic, rank, log_significance, size }
         })
         .collect();
@@ -215,6 +234,10 @@ struct Bins<'a> {
 impl Columns for Bins<'_> {
     fn count(&self) -> usize {
         Variable::ALL.len() * 2 * BINS
+    }
+
+    fn together(&self) -> usize {
+        2 * BINS
     }
 
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {

@@ -107,53 +107,47 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
 
 /// A signal delayed by `shift` seconds, by cubic interpolation between its rows; the end values are held.
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
-    later_every(1, t, m, shift).collect()
+    let mut row = 0;
+    t.iter().map(|&now| between_rows(t, m, -shift + now, &mut row)).collect()
 }
 
-/// The same in every so many rows, from the first one on.
-fn later_every<'a, T: Real>(
-    every: usize,
-    t: &'a [f64],
-    m: &'a [[T; 2]],
-    shift: T,
-) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
+/// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is held.
+/// `row` is where the last instant was found, and is moved.
+#[inline(always)]
+fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T; 2] {
     let last = t.len() - 1;
-    let mut k = 0;
-    let at_row = move |&now: &f64| {
-        if last == 0 {
-            return m[0];
-        }
-        let at = -shift + now;
-        while k > 0 && t[k] > at.value() {
-            k -= 1;
-        }
-        while k + 1 < last && t[k + 1] <= at.value() {
-            k += 1;
-        }
-        if at.value() <= t[0] {
-            return m[0];
-        }
-        if at.value() >= t[last] {
-            return m[last];
-        }
-        let h = t[k + 1] - t[k];
-        let s = (at - t[k]) / h;
-        let (s2, s3) = (s * s, s * s * s);
-        let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
-        // weights of the differences of four rows: the slope at a row is that through its neighbours
-        let rise = s2 * 3.0 - s3 * 2.0;
-        let first = (s3 - s2 * 2.0 + s) * (h / (t[k + 1] - t[before]));
-        let second = (s3 - s2) * (h / (t[behind] - t[k]));
-        let mut out = m[k];
-        for i in 0..2 {
-            out[i] = m[k][i]
-                + rise * (m[k + 1][i] - m[k][i])
-                + first * (m[k + 1][i] - m[before][i])
-                + second * (m[behind][i] - m[k][i]);
-        }
-        out
-    };
-    t.iter().step_by(every).map(at_row)
+    if last == 0 {
+        return m[0];
+    }
+    let mut k = *row;
+    while k > 0 && t[k] > at.value() {
+        k -= 1;
+    }
+    while k + 1 < last && t[k + 1] <= at.value() {
+        k += 1;
+    }
+    *row = k;
+    if at.value() <= t[0] {
+        return m[0];
+    }
+    if at.value() >= t[last] {
+        return m[last];
+    }
+    let h = t[k + 1] - t[k];
+    let s = (at - t[k]) / h;
+    let (s2, s3) = (s * s, s * s * s);
+    let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
+    // weights of the differences of four rows: the slope at a row is that through its neighbours
+    let rise = s2 * 3.0 - s3 * 2.0;
+    let first = (s3 - s2 * 2.0 + s) * (h / (t[k + 1] - t[before]));
+    let second = (s3 - s2) * (h / (t[behind] - t[k]));
+    let [m0, m1, m2, m3] = [m[before], m[k], m[k + 1], m[behind]];
+    let mut out = m1;
+    for i in 0..2 {
+        out[i] =
+            m1[i] + rise * (m2[i] - m1[i]) + first * (m2[i] - m0[i]) + second * (m3[i] - m1[i]);
+    }
+    out
 }
 
 /// A recording whose input acts `shift` seconds later; one that is held between the rows by the mean over each row.
@@ -175,6 +169,7 @@ pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f
 }
 
 /// Calls `see` with every so many rows of each piece, and the value of [`shifted`] in them.
+#[inline]
 pub(super) fn each_shifted(
     every: usize,
     recording: &Recording,
@@ -183,14 +178,16 @@ pub(super) fn each_shifted(
     mut see: impl FnMut(usize, [f64; 2]),
 ) {
     for p in recording.pieces() {
-        let values = later_every(every, &recording.t()[p.clone()], &signal[p.clone()], shift);
-        p.clone().step_by(every).zip(values).for_each(|(k, value)| see(k, value));
+        let (t, signal, mut row) = (&recording.t()[p.clone()], &signal[p.clone()], 0);
+        for k in (0..t.len()).step_by(every) {
+            see(p.start + k, between_rows(t, signal, -shift + t[k], &mut row));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{later, later_every};
+    use super::{between_rows, later};
 
     #[test]
     fn a_parabola_is_shifted_exactly_inside_and_held_at_the_ends() {
@@ -209,8 +206,10 @@ mod tests {
         assert_eq!(later(&t, &m, 0.0), m);
         // a row does not depend on those that are left out before it
         for shift in [-0.013, 0.004, 0.025] {
-            let thinned: Vec<_> = later(&t, &m, shift).into_iter().step_by(3).collect();
-            assert_eq!(later_every(3, &t, &m, shift).collect::<Vec<_>>(), thinned);
+            let (whole, mut row) = (later(&t, &m, shift), 0);
+            for k in (0..t.len()).step_by(3) {
+                assert_eq!(between_rows(&t, &m, -shift + t[k], &mut row), whole[k]);
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Dependence, WINDOW, WindowFloor, between_rows, ise, pooled_floor, simulate_recording,
+    Asked, Dependence, WINDOW, WindowFloor, between_rows, ise, pooled_floor, simulate_recording,
     unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
@@ -202,9 +202,9 @@ impl Judge {
         self.recordings.iter().map(Recording::top_speed).fold(0.0, f64::max)
     }
 
-    /// What the last model of a diagnosis leaves. Its structure may be visible only on
-    /// the recordings that were not fitted: if the training data contain one kind of motion only,
-    /// the parameters absorb the effect.
+    /// What the last model of a diagnosis leaves on the training recordings of `likelihood` and, if other ones are `held_out`,
+    /// on those that are judged. Its structure may be visible only on the recordings that were not fitted: if the training
+    /// data contain one kind of motion only, the parameters absorb the effect.
     ///
     /// # Errors
     /// If the filter cannot run.
@@ -212,19 +212,22 @@ impl Judge {
         &self,
         diagnosis: &Diagnosis,
         likelihood: &Likelihood,
+        held_out: bool,
     ) -> Result<Left, ModelError> {
         let WindowFit { model, p, .. } = diagnosis.last();
-        let prepared = self.recordings.iter().map(prepare).collect();
-        let elsewhere = Likelihood { prepared, ..likelihood.clone() };
+        let elsewhere = held_out.then(|| {
+            let prepared = self.recordings.iter().map(prepare).collect();
+            Likelihood { prepared, ..likelihood.clone() }
+        });
         let mut out = Left { structure: None, slow: SlowNoise::default() };
-        for (n, seen) in [likelihood, &elsewhere].into_iter().enumerate() {
+        for (n, seen) in [likelihood].into_iter().chain(&elsewhere).enumerate() {
             let (noise, _) = seen.noise(model, p, &seen.initial_noise());
             let slow = SlowNoise { sigma: noise.sigma_d, time_s: noise.tau_d };
             // a sensor has the same noise in all recordings; what one of them shows beyond it is no noise of the sensor
             if n == 0 || slow.sigma < out.slow.sigma {
                 out.slow = slow;
             }
-            let left = unexplained_torque(model, p, &noise, seen)?;
+            let left = unexplained_torque(model, p, &noise, seen, Asked::Tests)?;
             let Some(found) = structure(&left) else { continue };
             let last = out.structure.as_ref().map_or(0.0, |s| s.log_significance);
             if found.log_significance >= last {

@@ -109,15 +109,21 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
 fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
     let at = |shift: f64| regression.square_at_shift(shift);
     let latest = (LONGEST / step).ceil().max(-EARLIEST);
-    // coarse over the whole range, fine around the lowest
+    // over the whole range as the square changes, then in half rows and finer around the lowest
     let coarse = |k: usize| (EARLIEST + 0.5 * k as f64) * step;
     let count = ((latest - EARLIEST) / 0.5).ceil() as usize + 1;
-    let squares: Vec<f64> = (0..count).map(|k| at(coarse(k))).collect();
-    let lowest = (0..count).min_by(|a, b| squares[*a].total_cmp(&squares[*b]))?;
-    let (middle, h) = (coarse(lowest), RESOLUTION * step);
+    let lowest = |places: &mut dyn Iterator<Item = usize>| {
+        let squares = places.map(|k| (k, at(coarse(k))));
+        squares.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let apart = (regression.smooth_over() / (0.5 * step)).clamp(1.0, count as f64) as usize;
+    let (near, _) = lowest(&mut (0..count).step_by(apart).chain([count - 1]))?;
+    let around = near.saturating_sub(apart)..(near + apart + 1).min(count);
+    let (place, square) = lowest(&mut around.into_iter())?;
+    let (middle, h) = (coarse(place), RESOLUTION * step);
     let fine = |k: i32| middle + f64::from(k) * h;
-    let (mut best, mut least) = (middle, squares[lowest]);
-    for k in -4..=4 {
+    let (mut best, mut least) = (middle, square);
+    for k in (-4..=4).filter(|k| *k != 0) {
         let square = at(fine(k));
         if square < least {
             (best, least) = (fine(k), square);

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::ProcessNoise;
+use super::correction::CHANNELS;
 use super::coupled::Coupled;
 use super::dynamics::Dynamics;
 use super::friction::between;
@@ -24,6 +25,11 @@ const JUMP: (f64, f64) = (3.0, 5.0);
 pub trait Columns: Sync {
     /// How many.
     fn count(&self) -> usize;
+    /// How many successive ones are tested together; the information of columns of different groups about each other is left
+    /// at zero.
+    fn together(&self) -> usize {
+        self.count()
+    }
     /// Writes the torque each column would add to the input side for a coefficient of one [N m].
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]);
 }
@@ -106,8 +112,11 @@ pub fn filter_pass(
     let noise = settings.noise;
     if model.is_coupled() {
         over.pass(Coupled::step(model, p, noise))
+    } else if noise.sigma_d == 0.0 {
+        // without the states of the slow torques, which would stay at zero
+        over.pass::<_, 4>(Rigid::step(model, p, noise))
     } else {
-        over.pass(Rigid::step(model, p, noise))
+        over.pass::<_, 6>(Rigid::step(model, p, noise))
     }
 }
 
@@ -136,7 +145,9 @@ impl Recorded<'_> {
         let widths = (self.by_parameter.len(), self.columns.count());
         let derivatives = settings.derivatives.then_some(widths);
         let mut run = Run::new(dynamics, prepared, &prepared.variance, single, derivatives);
-        run.innovations = settings.keep_innovations.then(Vec::new);
+        run.test_in_groups(widths.0, self.columns.together());
+        let values = CHANNELS * prepared.recording.len();
+        run.innovations = settings.keep_innovations.then(|| Vec::with_capacity(values));
         // a single axis is a motor with an encoder of its own, whose noise is small
         if settings.derivatives && settings.input_noise && !single {
             // if the recorded roughness of the input is real, the process noise is small

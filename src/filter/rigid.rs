@@ -8,7 +8,7 @@ use super::dynamics::slopes_of_mass;
 use super::friction::Friction;
 use super::push::Push;
 use super::sample::{Predicted, Sample};
-use super::step::{Body, Braked, Step};
+use super::step::{Body, Braked, Step, has_slow};
 use crate::effects::{BASE, Motion};
 use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 
@@ -18,7 +18,7 @@ const PARTS: f64 = 4.0;
 /// Most parts of a step: of four time constants, after which 2 % of a speed are left.
 const MOST_PARTS: f64 = 16.0;
 
-/// Torques and masses of a rigid robot, and the last step.
+/// Torques and masses of a rigid robot, and the last step; of four states without slow torques, of six with them.
 pub(super) struct Rigid<'a> {
     model: &'a Model,
     p: &'a [f64],
@@ -52,13 +52,13 @@ impl<'a> Rigid<'a> {
     }
 }
 
-impl Body<6> for Rigid<'_> {
+impl<const N: usize> Body<N> for Rigid<'_> {
     #[inline]
     fn evaluate(
         &mut self,
         sample: &Sample,
         at: &Predicted,
-        _: &Mean<6>,
+        _: &Mean<N>,
     ) -> Result<Braked, ModelError> {
         if self.remaining > 0 {
             self.earlier.push((self.push.clone(), self.work.by_parameter.clone()));
@@ -97,7 +97,7 @@ impl Body<6> for Rigid<'_> {
         &mut self,
         friction: &Friction,
         sample: &Sample,
-        mean: &Mean<6>,
+        mean: &Mean<N>,
         h: f64,
         decay: f64,
     ) -> Result<[f64; 2], ModelError> {
@@ -116,7 +116,8 @@ impl Body<6> for Rigid<'_> {
             return Err(ModelError::MassNotPositive { m11, m12, m22 });
         };
         let reach = phi * mobility;
-        let force = [0, 1].map(|i| sample.input[i] + mean[4 + i] - resisting[i]);
+        let slow = |i: usize| if has_slow::<N>() { mean[4 + i] } else { 0.0 };
+        let force = [0, 1].map(|i| sample.input[i] + slow(i) - resisting[i]);
         let by_torque = reach * h;
         self.push = Push {
             h,
@@ -129,7 +130,7 @@ impl Body<6> for Rigid<'_> {
     }
 
     #[inline]
-    fn differentiate(&mut self, friction: &Friction, acceleration: &[f64; 2], _: &Mean<6>) {
+    fn differentiate(&mut self, friction: &Friction, acceleration: &[f64; 2], _: &Mean<N>) {
         self.model.differentiate_by_parameter(acceleration, &friction.sign, &mut self.work);
     }
 
@@ -138,8 +139,8 @@ impl Body<6> for Rigid<'_> {
         &mut self,
         sample: &Sample,
         acceleration: &[f64; 2],
-        mean: &mut Mean<6>,
-        covariance: &mut Covariance<6>,
+        mean: &mut Mean<N>,
+        covariance: &mut Covariance<N>,
     ) {
         self.remaining -= 1;
         let h = self.push.h;
@@ -148,38 +149,41 @@ impl Body<6> for Rigid<'_> {
             let after = if sample.still[i] { 0.0 } else { omega + h * acceleration[i] };
             mean[i] += 0.5 * h * (omega + after);
             mean[2 + i] = after;
-            mean[4 + i] *= self.push.decay;
+            if has_slow::<N>() {
+                mean[4 + i] *= self.push.decay;
+            }
         }
         *covariance = self.push.spread(covariance);
     }
 
     #[inline]
-    fn add_noise(&self, torque: &Matrix2<f64>, covariance: &mut Covariance<6>) {
+    fn add_noise(&self, torque: &Matrix2<f64>, covariance: &mut Covariance<N>) {
         match self.earlier.is_empty() {
             true => self.push.add_noise(torque, covariance),
-            false => add_torque_noise(covariance, &self.gain(), torque),
+            false => add_torque_noise(covariance, &Body::<N>::gain(self), torque),
         }
     }
 
-    fn transition(&self) -> Covariance<6> {
+    fn transition(&self) -> Covariance<N> {
         let earlier = self.earlier.iter().map(|(push, _)| push.transition());
-        let before = earlier.fold(Covariance::<6>::identity(), |all, part| part * all);
-        self.push.transition() * before
+        let before =
+            earlier.fold(Covariance::<N>::identity(), |all, part: Covariance<N>| part * all);
+        self.push.transition::<N>() * before
     }
 
     #[inline]
-    fn gain(&self) -> SMatrix<f64, 6, 2> {
+    fn gain(&self) -> SMatrix<f64, N, 2> {
         let parts = self.earlier.iter().map(|(push, _)| push).chain([&self.push]);
-        let none = SMatrix::<f64, 6, 2>::zeros();
+        let none = SMatrix::<f64, N, 2>::zeros();
         match self.earlier.is_empty() {
             true => self.push.gain(),
-            false => parts.fold(none, |all, part| part.transition() * all + part.gain()),
+            false => parts.fold(none, |all, part| part.transition::<N>() * all + part.gain::<N>()),
         }
     }
 
     #[inline]
-    fn carried(&self, column: &[f64; 6], j: Option<usize>, torque: [f64; 2]) -> [f64; 6] {
-        let moved = |push: &Push, by: &[[f64; 2]], x: &[f64; 6]| {
+    fn carried(&self, column: &[f64; N], j: Option<usize>, torque: [f64; 2]) -> [f64; N] {
+        let moved = |push: &Push, by: &[[f64; 2]], x: &[f64; N]| {
             let needed = j.map_or([0.0; 2], |j| by[j]);
             push.moved(x, [torque[0] - needed[0], torque[1] - needed[1]])
         };

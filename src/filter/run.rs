@@ -128,6 +128,11 @@ impl<'a, D: Dynamics<N>, const N: usize> Run<'a, D, N> {
         }
     }
 
+    /// Leaves out the information that columns behind the `parameters` have about those of other groups of this `size`.
+    pub(super) fn test_in_groups(&mut self, parameters: usize, size: usize) {
+        self.information = ScoreSums::in_groups(self.psi.len(), parameters, size);
+    }
+
     /// Starts a piece at row `k`; wheels that rest there have no speed.
     pub(super) fn start(&mut self, k: usize, start: &Start) {
         let still = self.prepared.still[k];

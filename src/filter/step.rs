@@ -128,7 +128,7 @@ impl<B> Step<B> {
 
 impl<B: Body<N>, const N: usize> Dynamics<N> for Step<B> {
     fn start(&mut self, input: &[f64; 2], mean: &mut Mean<N>, covariance: &mut Covariance<N>) {
-        for i in 4..6 {
+        for i in 4..N.min(6) {
             covariance[(i, i)] = self.noise.sigma_d.powi(2);
         }
         self.body.start(input, mean, covariance);
@@ -214,6 +214,12 @@ impl<B: Body<N>, const N: usize> Dynamics<N> for Step<B> {
     }
 }
 
+/// Whether slow torques are among `N` states.
+#[inline]
+pub(super) const fn has_slow<const N: usize>() -> bool {
+    N > 4
+}
+
 /// The state at the start of a step, its angles in the middle.
 #[inline]
 fn start_of<const N: usize>(
@@ -260,7 +266,9 @@ fn finish<const N: usize>(
 ) {
     let slow = noise.sigma_d.powi(2) * (1.0 - decay.powi(2));
     for i in 0..2 {
-        covariance[(4 + i, 4 + i)] += slow;
+        if has_slow::<N>() {
+            covariance[(4 + i, 4 + i)] += slow;
+        }
         if still[i] {
             freeze(covariance, mean, i);
         }

@@ -146,14 +146,15 @@ impl<'a> Problem<'a> {
         Input { t: &recording.t()[piece.clone()], torque: &recording.torque()[piece.clone()], hold }
     }
 
-    /// Residuals of one sample over their standard deviations; zero for channels not measured.
-    fn residual(&self, r: usize, weight: &[f64; 4], k: usize, state: &State) -> [f64; 4] {
+    /// Measured less simulated values of one sample; zero in rows without new ones.
+    #[inline]
+    fn error(&self, r: usize, k: usize, state: &State) -> [f64; 4] {
         let recording = &self.task.train[r];
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
         let measured = [a[0], a[1], w[0], w[1]];
         let simulated = [state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]];
         let fresh = if recording.fresh()[k] { 1.0 } else { 0.0 };
-        std::array::from_fn(|i| fresh * weight[i] * (measured[i] - simulated[i]))
+        std::array::from_fn(|i| fresh * (measured[i] - simulated[i]))
     }
 
     /// One over the standard deviation of each channel; zero for those not measured.
@@ -178,8 +179,8 @@ impl<'a> Problem<'a> {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
             let motion = simulate(self.model(), &p, &input, self.start(x, n)).ok()?;
             for (k, state) in piece.clone().zip(&motion) {
-                sum +=
-                    self.residual(*r, &weight, k, state).iter().map(|e| 0.5 * e * e).sum::<f64>();
+                let error = self.error(*r, k, state);
+                sum += (0..4).map(|i| 0.5 * (weight[i] * error[i]).powi(2)).sum::<f64>();
             }
         }
         sum.is_finite().then_some(sum)
@@ -200,13 +201,14 @@ impl<'a> Problem<'a> {
             let stride = (p.len() + 4).next_multiple_of(LANES);
             let (mut sums, mut blocks) = (ScoreSums::new(p.len() + 4), Vec::new());
             follow(self.model(), &p, &input, self.start(x, n), &mut |k, state, derivatives| {
-                let residual = self.residual(*r, &weight, piece.start + k, state);
+                let error = self.error(*r, piece.start + k, state);
                 while blocks.len() < ((input.t[k] - input.t[0]) / BLOCK) as usize {
                     blocks.push(sums.take_score());
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
-                    cost += 0.5 * residual[i] * residual[i];
-                    sums.add_row(&derivatives[i * stride..][..stride], weight[i], residual[i]);
+                    let residual = weight[i] * error[i];
+                    cost += 0.5 * residual * residual;
+                    sums.add_row(&derivatives[i * stride..][..stride], weight[i], error[i]);
                 }
                 !(cost >= most)
             })

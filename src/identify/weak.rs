@@ -107,7 +107,8 @@ pub(super) fn longest_motion(recordings: &[Recording]) -> f64 {
 fn window(t: &[f64], samples: Range<usize>) -> Window {
     let (first, last) = (t[samples.start], t[samples.end - 1]);
     let (middle, reach) = (0.5 * (first + last), 0.5 * (last - first));
-    let (mut weight, mut slope) = (Vec::new(), Vec::new());
+    let none = || Vec::with_capacity(samples.len());
+    let (mut weight, mut slope) = (none(), none());
     for k in samples.clone() {
         let x = (t[k] - middle) / reach;
         let before = if k > samples.start { t[k] - t[k - 1] } else { 0.0 };

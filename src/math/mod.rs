@@ -54,7 +54,7 @@ pub use nonnegative::nonnegative;
 pub(crate) use normal_equations::{FewCoefficients, NormalEquations, scaled_inverse};
 pub(crate) use order::trimmed_mean_square;
 pub use order::{median, median_high, median_step, quantile, quantile_of_sorted, robust_deviation};
-pub(crate) use products::{FILLED, add_products};
+pub(crate) use products::{FILLED, add_own_products, add_products};
 pub use robust::{RobustFit, fit_huber};
 pub use rounding::{round_decimals, round_significant};
 pub use runge_kutta::{runge_kutta_from, runge_kutta_motion, runge_kutta_step};

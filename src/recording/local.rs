@@ -204,24 +204,29 @@ impl<'a> Parabola<'a> {
 
     /// Adds the rows of a wider range to the sums.
     fn widen(&mut self, to: Range<usize>) {
-        for n in (to.start..self.range.start).chain(self.range.end..to.end) {
-            let (r, k, i) = (self.recording, self.sample, self.wheel);
-            // a row that repeats the last value is not a measurement
-            if !r.fresh()[n] {
-                continue;
+        let (r, k, i) = (self.recording, self.sample, self.wheel);
+        let (now, angle) = (r.t()[k], r.alpha()[k][i]);
+        for rows in [to.start..self.range.start, self.range.end..to.end] {
+            let channels = r.alpha()[rows.clone()].iter().zip(&r.omega()[rows.clone()]);
+            let stamps = r.t()[rows.clone()].iter().zip(&r.fresh()[rows]);
+            for ((t, fresh), (alpha, omega)) in stamps.zip(channels) {
+                // a row that repeats the last value is not a measurement
+                if !fresh {
+                    continue;
+                }
+                let tau = t - now;
+                let square = tau * tau;
+                for (sum, power) in
+                    self.powers.iter_mut().zip([1.0, tau, square, square * tau, square * square])
+                {
+                    *sum += power;
+                }
+                let (alpha, omega) = (alpha[i] - angle, omega[i]);
+                for (sum, power) in self.alpha.iter_mut().zip([1.0, tau, square]) {
+                    *sum += power * alpha;
+                }
+                self.omega = [self.omega[0] + omega, self.omega[1] + tau * omega];
             }
-            let tau = r.t()[n] - r.t()[k];
-            let square = tau * tau;
-            for (sum, power) in
-                self.powers.iter_mut().zip([1.0, tau, square, square * tau, square * square])
-            {
-                *sum += power;
-            }
-            let (alpha, omega) = (r.alpha()[n][i] - r.alpha()[k][i], r.omega()[n][i]);
-            for (sum, power) in self.alpha.iter_mut().zip([1.0, tau, square]) {
-                *sum += power * alpha;
-            }
-            self.omega = [self.omega[0] + omega, self.omega[1] + tau * omega];
         }
         self.range = to;
     }

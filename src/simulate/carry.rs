@@ -34,6 +34,19 @@ impl Node {
         ]
     }
 
+    /// Adds the accelerations by derivatives of the input at a share of the sample; `inverse` is that of the mass matrix.
+    #[inline(always)]
+    fn add_input(&mut self, (input, inverse): (&[InputSlope], [f64; 3]), share: f64) {
+        for (j, [start, end]) in input {
+            let torque =
+                [start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])];
+            let a = times(&inverse, &torque);
+            let [first, second] = &mut self.forcing[j / LANES];
+            first[j % LANES] += a[0];
+            second[j % LANES] += a[1];
+        }
+    }
+
     /// Whether it is valid at the start of a step that begins where it was solved.
     pub(super) fn holds(&self, from: &Departure) -> bool {
         let (a, sign) = self.place;
@@ -62,11 +75,15 @@ pub(super) struct Carry<'a> {
 /// The same if something depends on the angles.
 pub(super) struct Turn<'a>(pub(super) Carry<'a>);
 
-/// The same as [`Carry`] after the nodes of sliding wheels, which are solved at these instants with the input
-/// at a share of the sample.
+/// An instant at which a node of sliding wheels is solved: the quantities, and the share of the sample at which the input acts.
+pub(super) type Solved = (Quantities, f64);
+
+/// The same as [`Carry`] after the nodes of sliding wheels are solved: at the start, unless its node is known, in the middle
+/// and at the end.
 pub(super) struct Slide<'a> {
     pub(super) forcing: &'a Forcing,
-    pub(super) solved: &'a [Option<(Quantities, f64)>; 3],
+    pub(super) start: Option<Solved>,
+    pub(super) later: [Solved; 2],
     /// Derivatives of the input with respect to parameters at both ends of the sample, and the inverse of the
     /// mass matrix.
     pub(super) input: (&'a [InputSlope], [f64; 3]),
@@ -78,23 +95,19 @@ impl WithSimd for Slide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (input, inverse) = self.input;
-        for n in 0..3 {
-            let (node, solved) = (&mut *self.carry.nodes[n], &self.solved[n]);
-            let Some((quantities, share)) = solved else { continue };
-            self.forcing.write(simd, quantities, self.carry.columns, &mut node.forcing);
-            for (j, [start, end]) in input {
-                let torque = [
-                    start[0] + share * (end[0] - start[0]),
-                    start[1] + share * (end[1] - start[1]),
-                ];
-                let a = times(&inverse, &torque);
-                let [first, second] = &mut node.forcing[j / LANES];
-                first[j % LANES] += a[0];
-                second[j % LANES] += a[1];
-            }
+        let Self { forcing, start, later, input, mut carry } = self;
+        let columns = carry.columns;
+        let [first, middle, end] = &mut carry.nodes;
+        if let Some((quantities, share)) = &start {
+            forcing.write(simd, [quantities], columns, [&mut first.forcing]);
+            first.add_input(input, *share);
         }
-        self.carry.with_simd(simd);
+        let [at_middle, at_end] = &later;
+        let out = [&mut middle.forcing[..], &mut end.forcing[..]];
+        forcing.write(simd, [&at_middle.0, &at_end.0], columns, out);
+        middle.add_input(input, at_middle.1);
+        end.add_input(input, at_end.1);
+        carry.with_simd(simd);
     }
 }
 

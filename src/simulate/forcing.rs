@@ -107,27 +107,33 @@ impl Forcing {
         }
     }
 
-    /// Writes the derivatives with respect to the first `columns` parameters, padded to whole registers.
+    /// Writes the derivatives with respect to the first `columns` parameters at several instants, padded to whole registers.
     #[inline(always)]
-    pub(super) fn write<S: Simd>(
+    pub(super) fn write<S: Simd, const N: usize>(
         &self,
         simd: S,
-        quantities: &[f64; QUANTITIES],
+        quantities: [&Quantities; N],
         columns: usize,
-        out: &mut [Pair],
+        out: [&mut [Pair]; N],
     ) {
-        for (g, (group, out)) in self.groups.iter().zip(out).enumerate() {
+        for (g, group) in self.groups.iter().enumerate() {
             let asked = columns.saturating_sub(g * LANES).min(LANES);
             for r in (0..asked).step_by(Lanes::<S>::COUNT) {
-                let mut first = Lanes::load(simd, &group.constant[0][r..]);
-                let mut second = Lanes::load(simd, &group.constant[1][r..]);
+                let mut first = [Lanes::load(simd, &group.constant[0][r..]); N];
+                let mut second = [Lanes::load(simd, &group.constant[1][r..]); N];
                 for (n, factor) in &group.factors {
-                    let quantity = quantities[*n % QUANTITIES];
-                    first = first + Lanes::load(simd, &factor[0][r..]) * quantity;
-                    second = second + Lanes::load(simd, &factor[1][r..]) * quantity;
+                    let by_first = Lanes::load(simd, &factor[0][r..]);
+                    let by_second = Lanes::load(simd, &factor[1][r..]);
+                    for k in 0..N {
+                        let quantity = quantities[k][*n % QUANTITIES];
+                        first[k] = first[k] + by_first * quantity;
+                        second[k] = second[k] + by_second * quantity;
+                    }
                 }
-                first.store(&mut out[0][r..]);
-                second.store(&mut out[1][r..]);
+                for k in 0..N {
+                    first[k].store(&mut out[k][g][0][r..]);
+                    second[k].store(&mut out[k][g][1][r..]);
+                }
             }
         }
     }
@@ -176,7 +182,7 @@ mod tests {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
-            self.0.write(simd, &self.1, self.2, self.3);
+            self.0.write(simd, [&self.1], self.2, [self.3]);
         }
     }
 

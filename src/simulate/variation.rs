@@ -176,21 +176,19 @@ impl Variation {
         let y = middle(h, (&from.y, &from.rate), (end, &at_end.1));
         let omega = [y[2], y[3]];
         let in_middle = (omega, f.acceleration_at(omega, input.at(t), resisting));
-        let mut solved = [None; 3];
-        for (n, (omega, a)) in [at_start, in_middle, at_end].into_iter().enumerate() {
-            if n == 0 && known {
-                continue;
-            }
+        let mut solve = |n: usize, t: f64, (omega, a): ([f64; 2], [f64; 2])| {
             let [first, second] = f.by_speed.slope(omega);
             nodes[n].by_state = [[0.0, 0.0, first[0], first[1]], [0.0, 0.0, second[0], second[1]]];
-            let share = input.share([from.t, t, to][n]);
-            solved[n] = Some((quantities(omega, a), share));
-        }
+            (quantities(omega, a), input.share(t))
+        };
+        let start = (!known).then(|| solve(0, from.t, at_start));
+        let later = [solve(1, t, in_middle), solve(2, to, at_end)];
         nodes[2].place = (at_end.1, sign);
         (self.at_end, self.joined, self.start) = (Some((to, *end)), true, 2 - self.start);
         in_lanes(Slide {
             forcing: &*forcing,
-            solved: &solved,
+            start,
+            later,
             input: (&self.input, f.inverse.unwrap_or([0.0; 3])),
             carry: Carry { nodes, rows: rows(&mut self.values), h, columns: self.moving },
         });

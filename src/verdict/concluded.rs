@@ -61,7 +61,7 @@ impl<'a> Concluded<'a> {
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
         let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
         let errors = judge.errors(diagnosis, floor, basis.train)?;
-        let left = judge.left_by(diagnosis, &likelihood)?;
+        let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
         let likely = likely(diagnosis, &errors);
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
