@@ -2,6 +2,7 @@
 //! search ends unexplained.
 
 use super::order::equals;
+use super::steps::has_size;
 use super::{Search, is_two_mass};
 use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::{Ranked, Step};
@@ -77,13 +78,23 @@ impl Search<'_> {
     /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and whose
     /// reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
     /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a simpler
-    /// effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it.
+    /// effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if the input between
+    /// the rows leaves its size open, the first of those follows that have one and a criterion about as good.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
-        let sized = fits.filter(|(_, id, fit)| self.is_sized(fit, id));
-        let errors = sized.map(|(n, _, fit)| (n, self.shown(fit)));
-        errors.into_iter().find(|(_, error)| *error <= shown)
+        let sized = fits.filter(|(_, id, fit)| has_size(fit, id));
+        let errors = sized.map(|(n, id, fit)| (n, id, fit, self.shown(fit)));
+        let mut lowering = errors.filter(|(.., error)| *error <= shown);
+        let (first, id, fit, error) = lowering.next()?;
+        if self.is_sized(fit, id) {
+            return Some((first, error));
+        }
+        let about = (1.0 - THRESHOLDS.alike_share) * ranking[first].bic;
+        let other = lowering
+            .take_while(|(n, ..)| ranking[*n].bic <= about)
+            .find(|(_, id, fit, _)| self.is_sized(fit, id));
+        Some(other.map_or((first, error), |(n, .., error)| (n, error)))
     }
 
     /// The search started with another effect of the first ranking, if it ends near the floor: if several

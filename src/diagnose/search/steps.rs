@@ -109,7 +109,7 @@ impl Search<'_> {
     /// from zero.
     fn stands(&self, step: &Step) -> bool {
         let proven = self.passes(&step.last) && self.passes(&step.total);
-        proven && self.is_sized(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
+        proven && has_size(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
     }
 
     /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of a change of
@@ -335,7 +335,7 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
 /// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters differs from
 /// zero, by its 95 % interval: an effect that the training recordings do not show may lower the held-out error by accident.
 /// Recordings with fewer windows than parameters do not give the error of a time.
-fn has_size(fit: &WindowFit, id: &str) -> bool {
+pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
     let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
         return false;
     };
