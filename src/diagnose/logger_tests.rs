@@ -48,7 +48,7 @@ fn stepped(
     Recording::new("stepped", channels, DriveUnit::NewtonMetre).unwrap()
 }
 
-/// 30 s at 100 Hz of the AmigoBot, whose friction is three times as large at rest as at 2 rad/s, under torques that rise slowly from
+/// 30 s at 100 Hz of the AmigoBot, whose friction is three times as large at rest as at speed, with a Stribeck speed of 2 rad/s, under torques that rise slowly from
 /// zero until the wheels have broken away, and then fall, with noise of 0.01 rad/s.
 fn breaking_away() -> Recording {
     let model = Model::with_effects(Robot::amigobot(), &["stribeck"]).unwrap();

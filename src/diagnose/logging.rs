@@ -25,7 +25,7 @@ pub struct Logging {
     pub hold: Hold,
     /// The average over the rows that the speeds passed through, if any.
     pub low_pass: Option<SpeedFilter>,
-    /// Parameters of the model fitted under this account.
+    /// Parameters of the model fitted under this account, possibly beside those of an effect.
     pub p: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ pub struct Logging {
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
 /// ```
 /// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time of the input.
-/// If the account given is as likely with an effect of the catalogue, other than a second body, the two are compared again with the
+/// If the account given is as likely with an effect of the catalogue, other than a second body or a delay, the two are compared again with the
 /// likeliest of these in the model: a lag shows itself at the steps too, and friction that is larger at rest makes speeds late.
 /// Recordings with no more windows than parameters follow any account, and show none.
 #[must_use]

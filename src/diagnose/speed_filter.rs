@@ -57,7 +57,9 @@ pub fn speed_filter(
     let scale = scale_of(model, p, recordings);
     let of = |model: &Model, p: &[f64]| filter_under(model, p, recordings, hold, &scale);
     let found = of(model, p)?;
-    let Some((model, p)) = found.better_effect(model, p, &scale) else { return Some(found.filter) };
+    let Some((model, p)) = found.better_effect(model, p.len(), &scale) else {
+        return Some(found.filter);
+    };
     of(&model, &p).map(|found| found.filter)
 }
 
@@ -70,9 +72,15 @@ struct Found<'a> {
 
 impl Found<'_> {
     /// The model with the effect of the catalogue that explains the speeds as recorded best, if significantly better than the low-pass
-    /// does, with its parameters.
-    fn better_effect(&self, model: &Model, p: &[f64], scale: &Scale) -> Option<(Model, Vec<f64>)> {
+    /// does, with its parameters; `model` has `count`.
+    fn better_effect(
+        &self,
+        model: &Model,
+        count: usize,
+        scale: &Scale,
+    ) -> Option<(Model, Vec<f64>)> {
         let windows = &self.plain.windows;
+        let p = &self.plain.fit.p[..count];
         let left = |(model, p): (Model, Vec<f64>)| {
             let timed = with_timing(&model, scale)?;
             let start: Vec<f64> = p.iter().copied().chain([self.plain.time_s()]).collect();

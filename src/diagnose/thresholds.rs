@@ -83,7 +83,7 @@ pub struct Thresholds {
     /// Number of starts of an effect with several starts that are followed to a minimum.
     pub followed: usize,
     /// Number of standard errors within which a value is not distinguished from another one: a delay from zero or
-    /// from a delay that logging explains, a parameter of an effect from zero (a chance of one in twenty).
+    /// from a delay that logging explains (a chance of one in twenty).
     pub uncertain: f64,
     /// Number of rows by which a named lag or delay must exceed the delay that logging explains (judgement): with a
     /// precision of a hundredth of a row, the computing time of a controller alone exceeds it.

@@ -63,7 +63,7 @@ impl Timing {
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
-/// the torques over the whole range, then by simulation. `None` where the motion does not carry it, or where it began
+/// the torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where the motion does not carry it, or where it began
 /// earlier after a step from rest.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
@@ -80,7 +80,10 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let simulated = starts
         .chain([0.0])
         .filter_map(|start| by_simulation(model, p, start, recordings, hold, &scale))
-        .min_by(|a, b| a.error.total_cmp(&b.error));
+        .min_by(|a, b| {
+            let outside = |fit: &ShiftFit| fit.shift.is_none();
+            outside(a).cmp(&outside(b)).then(a.error.total_cmp(&b.error))
+        });
     let shift = simulated.and_then(|s| s.shift);
     let (dead_time_s, std_error_s) =
         shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
@@ -117,6 +120,7 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
         squares.min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let apart = (regression.smooth_over() / (0.5 * step)).clamp(1.0, count as f64) as usize;
+    let apart = apart.max(1);
     let (near, _) = lowest(&mut (0..count).step_by(apart).chain([count - 1]))?;
     let around = near.saturating_sub(apart)..(near + apart + 1).min(count);
     let (place, square) = lowest(&mut around.into_iter())?;

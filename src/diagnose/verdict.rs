@@ -177,8 +177,8 @@ pub fn likely<'a>(diagnosis: &'a Diagnosis, errors: &Errors) -> Option<&'a Ranke
 }
 
 /// The candidate that comes first after the last accepted step and lowers the held-out error significantly at
-/// `rate`, but is not accepted, although no other effect is likely: its size is within its uncertainty, or, of a
-/// second body, the input between its rows could do as much.
+/// `rate`, but is not accepted, although no other effect is likely: its size is within its uncertainty, it does not act in
+/// the held-out recordings, or, of a second body, the input between its rows could do as much.
 #[must_use]
 pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
     let best = diagnosis.rest.first()?;

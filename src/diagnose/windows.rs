@@ -222,6 +222,7 @@ impl<'a> Windows<'a> {
         if model.is_coupled() {
             return self.each_by_differences(model, p, free, make);
         }
+        let sizes = sizes(model, p, free);
         let acting: Vec<_> =
             self.recordings.par_iter().map(|r| input_derivatives(model, r, p)).collect();
         let stride = (p.len() + 4).next_multiple_of(LANES);
@@ -234,7 +235,7 @@ impl<'a> Windows<'a> {
                 let (input, derivatives) = &acting[r];
                 let (t, hold) = (recording.t(), self.hold);
                 let input = ActingInput { t, acting: input, derivatives, hold };
-                let linear = Linear::new(p, free, recording.top_speed());
+                let linear = Linear::new(&sizes, recording.top_speed());
                 make(window, &mut |see| {
                     let see = &mut linear.see(see);
                     let mut psi = Vec::with_capacity(free.len());
@@ -282,10 +283,11 @@ impl<'a> Windows<'a> {
         make: impl Fn(&Window, Follow) -> Option<T> + Sync,
     ) -> Option<Vec<T>> {
         let middle = self.errors(model, p)?;
+        let sizes = sizes(model, p, free);
         let by: Vec<(Vec<Errors>, f64)> = free
             .par_iter()
             .map(|&j| {
-                let h = DIFFERENCE * p[j].abs().max(1e-3 * typical(model, j));
+                let h = DIFFERENCE * size(model, p, j);
                 let mut q = p.to_vec();
                 q[j] += h;
                 Some((self.errors(model, &q)?, h))
@@ -296,7 +298,7 @@ impl<'a> Windows<'a> {
             .enumerate()
             .map(|(n, window)| {
                 let top = self.recordings[window.recording].top_speed();
-                let linear = Linear::new(p, free, top);
+                let linear = Linear::new(&sizes, top);
                 make(window, &mut |see| {
                     let see = &mut linear.see(see);
                     let mut psi = Vec::with_capacity(free.len());
@@ -354,8 +356,13 @@ pub(super) struct Row {
     pub(super) still: [bool; 2],
 }
 
-fn typical(model: &Model, j: usize) -> f64 {
-    model.parameters()[j].spec.typical.abs()
+/// Magnitude of parameter `j`; of one near zero a thousandth of the typical value.
+fn size(model: &Model, p: &[f64], j: usize) -> f64 {
+    p[j].abs().max(1e-3 * model.parameters()[j].spec.typical.abs())
+}
+
+fn sizes(model: &Model, p: &[f64], free: &[usize]) -> Vec<f64> {
+    free.iter().map(|&j| size(model, p, j)).collect()
 }
 
 /// The acceleration of a wheel per unit torque on it [1/(kg m²)], of a model at parameters `p`.

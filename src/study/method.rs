@@ -98,7 +98,7 @@ impl MethodStudy {
     }
 
     /// Whether the columns do not determine the model: the descent stalled without an identifiable inertia, or no
-    /// parameter of the base model is identifiable. The simulation error of such a fit may still be small, for example
+    /// parameter of the base model is identifiable, nor a combination of the inertias (of a single axis: any combination). The simulation error of such a fit may still be small, for example
     /// with a huge inertia if a nearly constant column is used as a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
@@ -106,7 +106,12 @@ impl MethodStudy {
         let is_held = |j: usize| self.estimates.get(j).is_some_and(|e| e.fixed);
         let stalled = self.status == Some(Status::Stalled) && is_open(A1);
         let nothing = [A1, A2, A4, A5].into_iter().all(|j| is_open(j) || is_held(j)) && is_open(A1);
-        stalled && !self.gives_inertia() || nothing && self.combinations().is_empty()
+        let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
+        match single_axis {
+            // its a1 is the sum of both wheels
+            true => nothing && self.combinations().is_empty(),
+            false => (stalled || nothing) && !self.gives_inertia(),
+        }
     }
 
     /// Why the recordings do not determine the model: its inertias may be due to the input between the rows, or the columns
@@ -146,12 +151,11 @@ impl MethodStudy {
         self.notes.iter().filter_map(of).collect()
     }
 
-    /// Whether a combination of the inertias is identifiable, as on straight runs, or the inertia of a single axis may be.
+    /// Whether a combination of the inertias is identifiable, as on straight runs.
     fn gives_inertia(&self) -> bool {
-        let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
         let inertias = [A1, A2].map(|j| self.estimates.get(j).map(|e| &e.symbol));
         let of_inertias = |c: &Combination| [Some(&c.first), Some(&c.second)] == inertias;
-        single_axis || self.combinations().iter().any(of_inertias)
+        self.combinations().iter().any(of_inertias)
     }
 }
 
@@ -173,6 +177,7 @@ pub struct FuzzyStudy {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::SingleAxis;
 
     #[test]
     fn a_fit_that_stalled_without_a1_determines_nothing() {
@@ -210,9 +215,14 @@ mod tests {
         let mut axis = of([unknown, 0.0, 0.0, unknown, unknown]);
         [1, 2].into_iter().for_each(|j| axis.estimates[j].fixed = true);
         assert!(axis.is_undetermined());
+        axis.notes = vec![Note::SingleAxis(SingleAxis::CountedOnce)];
+        assert!(axis.is_undetermined());
         let [first, second] = ["a4", "a5"].map(String::from);
         let unknown = Unknown::Two { first, second, weight: 1.0, value: 40.0, std_error: 2.0 };
-        axis.notes = vec![Note::Unknown { unknown, effect: "base".into() }];
+        axis.notes.push(Note::Unknown { unknown, effect: "base".into() });
         assert!(!axis.is_undetermined());
+        // without that note the frictions of two wheels do not determine their inertias
+        axis.notes.remove(0);
+        assert!(axis.is_undetermined());
     }
 }

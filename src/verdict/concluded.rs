@@ -63,7 +63,9 @@ impl<'a> Concluded<'a> {
         let errors = judge.errors(diagnosis, floor, basis.train)?;
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
-        let likely = likely(diagnosis, &errors);
+        let acts =
+            |r: &&Ranked| r.refit.as_ref().is_some_and(|fit| judge.acts(fit, &r.candidate.id));
+        let likely = likely(diagnosis, &errors).filter(acts);
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
@@ -221,10 +223,10 @@ fn reason(judge: &Judge, now: f64, fit: &WindowFit, id: &str) -> Withheld {
     // a fit that cannot be simulated also raises it
     if !(with <= now) {
         Withheld::Raises
-    } else if !judge.acts(fit, id) {
-        Withheld::Idle
     } else if fit.is_short() {
         Withheld::Short { windows: fit.windows, parameters: fit.model.free().len() }
+    } else if !judge.acts(fit, id) {
+        Withheld::Idle
     } else if between || now - with < open.powi(2).min(with) {
         Withheld::BetweenRows
     } else {

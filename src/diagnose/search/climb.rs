@@ -79,7 +79,7 @@ impl Search<'_> {
     /// reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
     /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a simpler
     /// effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if the input between
-    /// the rows leaves its size open, the first of those follows that have one and a criterion about as good.
+    /// the rows leaves its size open, the first later one is taken that has a size and is hardly less probable.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
@@ -90,9 +90,13 @@ impl Search<'_> {
         if self.is_sized(fit, id) {
             return Some((first, error));
         }
-        let about = (1.0 - THRESHOLDS.alike_share) * ranking[first].bic;
+        let is_about_as_good = |n: usize| {
+            let (one, other) = (&ranking[first], &ranking[n]);
+            let open = self.open_share(one, other).max(THRESHOLDS.alike);
+            other.bic_windows < 0.0 && other.bic - one.bic < open
+        };
         let other = lowering
-            .take_while(|(n, ..)| ranking[*n].bic <= about)
+            .filter(|(n, ..)| is_about_as_good(*n))
             .find(|(_, id, fit, _)| self.is_sized(fit, id));
         Some(other.map_or((first, error), |(n, .., error)| (n, error)))
     }

@@ -16,15 +16,15 @@ const MOST_RESPONSE: f64 = 100.0;
 
 /// Parameters in units of the largest linear response of a speed to them.
 pub(super) struct Linear {
-    /// `(p/(MOST_RESPONSE top speed))²` of each estimated parameter [s²/rad²].
+    /// `(p/(MOST_RESPONSE top speed))²` of each estimated parameter, in the unit of its square times s²/rad².
     squares: Vec<f64>,
 }
 
 impl Linear {
-    /// For the parameters `free` of `p`, and wheels that reach `top` [rad/s].
-    pub(super) fn new(p: &[f64], free: &[usize], top: f64) -> Self {
+    /// For parameters of these `sizes`, and wheels that reach `top` [rad/s].
+    pub(super) fn new(sizes: &[f64], top: f64) -> Self {
         let most = MOST_RESPONSE * top;
-        Self { squares: free.iter().map(|&j| (p[j] / most).powi(2)).collect() }
+        Self { squares: sizes.iter().map(|size| (size / most).powi(2)).collect() }
     }
 
     /// The function that calls `see` with derivatives times their [`Linear::factor`].
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn derivatives_in_the_linear_range_are_unchanged_and_others_count_less() {
-        let linear = Linear::new(&[0.5, 0.0, 2.0], &[0, 1, 2], 10.0);
+        let linear = Linear::new(&[0.5, 0.0, 2.0], 10.0);
         // 0.5 · 1000 rad/s per unit and relative change: half of 100 top speeds
         assert_eq!(linear.factor(&[1000.0, 1e9, 0.0]), 1.0);
         // ten times the largest linear response leaves a tenth of it

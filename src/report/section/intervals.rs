@@ -48,7 +48,7 @@ pub(super) fn intervals(study: &Study) -> Option<Table> {
     let usual = median(blocks.iter().map(Interval::rms));
     let large = blocks.into_iter().filter(|b| b.rms() > THRESHOLDS.far_above_floor * usual);
     let mut found = joined(large);
-    found.sort_by(|a, b| b.square.total_cmp(&a.square));
+    found.sort_by(|a, b| b.rms().total_cmp(&a.rms()));
     found.truncate(MOST);
     found.sort_by(|a, b| a.recording.cmp(&b.recording).then(a.from.total_cmp(&b.from)));
     (!found.is_empty() && usual > 0.0).then(|| table(study, &found, usual))
@@ -61,8 +61,9 @@ fn blocks(r: usize, recording: &RecordingStudy, torque: &[[f64; 2]]) -> Vec<Inte
     let mut first = 0;
     while first < t.len() {
         let end = first + t[first..].partition_point(|now| now - t[first] < BLOCK_S);
+        let Some(rows) = torque.get(first..end) else { break };
         for wheel in 0..2 {
-            let values = torque[first..end.min(torque.len())].iter().map(|m| m[wheel]);
+            let values = rows.iter().map(|m| m[wheel]);
             let known: Vec<f64> = values.filter(|m| m.is_finite()).collect();
             // of a block that is mostly at rest little is known
             if 2 * known.len() > end - first {
@@ -141,7 +142,7 @@ mod tests {
             ..study.recordings[0].clone()
         };
         let size = |k: usize| if (300..500).contains(&k) { 0.5 } else { 0.02 };
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let torque: Vec<[f64; 2]> =
             (0..1000).map(|k| [0.02 * sign(k), size(k) * sign(k)]).collect();
         let all = blocks(0, &recording, &torque);
