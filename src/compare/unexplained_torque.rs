@@ -140,7 +140,7 @@ pub struct Dependence {
 /// What of the residual torque is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// The tests.
+    /// Statistic and significance of every variable.
     Tests,
     /// The curves too, which take another search for the noise and another pass.
     Curves,

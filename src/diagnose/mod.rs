@@ -19,6 +19,7 @@ mod onset;
 mod outcome;
 mod phases;
 mod regression;
+mod rivals;
 mod scale;
 mod screen;
 mod search;

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::{WindowFit, fit};
-use super::logging::rivals;
 use super::low_pass::{Computed, LowPass};
+use super::rivals::rivals;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
 use super::timing::{LONGEST, Timed, log_likelihood, timed, with_timing};

@@ -17,7 +17,7 @@ pub(super) use self::errors::Errors;
 use self::linear::Linear;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
-use self::window::{WINDOW, Window, cut};
+use self::window::{See, WINDOW, Window, cut};
 use super::input_timing::input_derivatives;
 use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
@@ -339,9 +339,6 @@ impl<'a> Windows<'a> {
 /// Relative step of forward differences: the root of the precision to which a window is simulated (1e-12).
 const DIFFERENCE: f64 = 1e-6;
 
-/// Called with a row of a window: its number, the wheel, the error, its derivatives and whether the
-/// simulated wheel rests.
-type See<'a> = &'a mut dyn FnMut(usize, usize, f64, &[f64], bool);
 /// Visits all rows of a window; `None` where the simulation fails.
 type Follow<'a> = &'a mut dyn FnMut(See) -> Option<()>;
 

@@ -8,7 +8,7 @@
 //! ```
 //! A single such window would dominate the sums of all others, although its errors are linear only for the smallest of changes.
 
-use super::See;
+use super::window::See;
 
 /// Largest response of a speed to a relative change of a parameter that is taken as linear, in top speeds: beyond it a change
 /// by 1 %, an ordinary uncertainty, would change the speed by its whole range.

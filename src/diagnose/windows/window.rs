@@ -47,3 +47,7 @@ pub(super) fn cut(
     let ranges = (0..count).map(move |n| edge(n)..if n + 1 == count { end } else { edge(n + 1) });
     ranges.filter(|rows| rows.len() >= FEWEST)
 }
+
+/// Called with a row of a window: its number, the wheel, the error, its derivatives and whether the
+/// simulated wheel rests.
+pub(super) type See<'a> = &'a mut dyn FnMut(usize, usize, f64, &[f64], bool);
