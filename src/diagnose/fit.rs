@@ -41,6 +41,18 @@ impl WindowFit {
         self.windows <= self.model.free().len()
     }
 
+    /// Number of the effect `id` in its model.
+    pub(super) fn place_of(&self, id: &str) -> Option<usize> {
+        self.model.effects().iter().position(|effect| effect.id() == id)
+    }
+
+    /// Its model and parameters without effect number `e`, the others unchanged.
+    pub(super) fn without(&self, e: usize) -> (Model, Vec<f64>) {
+        let mut p = self.p.clone();
+        p.drain(self.model.slots(e));
+        (self.model.without(e), p)
+    }
+
     /// Degrees of freedom of the standard errors: windows less free parameters, at least one.
     #[must_use]
     pub fn degrees(&self) -> f64 {

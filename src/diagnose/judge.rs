@@ -36,8 +36,8 @@ pub struct Judgement {
 pub struct Left {
     /// The strongest dependence of the residual torque that counts as structure.
     pub structure: Option<Dependence>,
-    /// The slow part of the residual torque that the training and the judged recordings have in common, as autocorrelated noise of
-    /// the input.
+    /// The slow part of the residual torque, the smaller of that of the training and that of the judged recordings, as
+    /// autocorrelated noise of the input.
     pub slow: SlowNoise,
 }
 
@@ -82,13 +82,10 @@ impl Judge {
     /// reach may lower their error through the other parameters alone, which the recordings that reach it have biased.
     #[must_use]
     pub fn acts(&self, fit: &WindowFit, id: &str) -> bool {
-        let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
-            return false;
-        };
-        let mut p = fit.p.clone();
-        p.drain(fit.model.slots(e));
+        let Some(e) = fit.place_of(id) else { return false };
+        let (model, p) = fit.without(e);
         let error = |model: &Model, p: &[f64]| self.judge(model, p).map(|judged| judged.window_rms);
-        match (error(&fit.model, &fit.p), error(&fit.model.without(e), &p)) {
+        match (error(&fit.model, &fit.p), error(&model, &p)) {
             (Ok(with), Ok(without)) => (with - without).abs() > ROUNDING * with,
             _ => true,
         }

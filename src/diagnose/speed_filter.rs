@@ -126,7 +126,7 @@ fn filter_under<'a>(
     // of speeds that are late as a whole a short low-pass with the rest as dead time is a part of that
     let shifted = noiseless(&plain.windows, &plain.fit)?;
     let bends = sum(&left) < sum(&shifted) && beyond_chance(&shifted, THRESHOLDS.strong);
-    if !bends {
+    if !(most && bends) {
         return None;
     }
     let late = search.late_actuators(filter.low_pass);
@@ -138,7 +138,7 @@ fn filter_under<'a>(
     let least = !late.iter().any(|late| is_better(late, &left));
     let or_late = !late.iter().all(|late| beyond_chance(late, THRESHOLDS.alike));
     let filter = SpeedFilter { or_late, ..filter };
-    (most && least).then_some(Found { filter, left, plain })
+    least.then_some(Found { filter, left, plain })
 }
 
 /// Contribution of noise of the recorded input to squared innovations.

@@ -63,8 +63,8 @@ impl Timing {
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
-/// the torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where the motion does not carry it, or where it began
-/// earlier after a step from rest.
+/// the torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where the
+/// motion does not carry it, or where it began earlier after a step from rest.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
 /// speed; a simulation stops and breaks away by itself.
@@ -119,8 +119,7 @@ fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
         let squares = places.map(|k| (k, at(coarse(k))));
         squares.min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let apart = (regression.smooth_over() / (0.5 * step)).clamp(1.0, count as f64) as usize;
-    let apart = apart.max(1);
+    let apart = ((regression.smooth_over() / (0.5 * step)) as usize).clamp(1, count);
     let (near, _) = lowest(&mut (0..count).step_by(apart).chain([count - 1]))?;
     let around = near.saturating_sub(apart)..(near + apart + 1).min(count);
     let (place, square) = lowest(&mut around.into_iter())?;

@@ -98,14 +98,16 @@ impl MethodStudy {
     }
 
     /// Whether the columns do not determine the model: the descent stalled without an identifiable inertia, or no
-    /// parameter of the base model is identifiable, nor a combination of the inertias (of a single axis: any combination). The simulation error of such a fit may still be small, for example
-    /// with a huge inertia if a nearly constant column is used as a speed.
+    /// parameter of the base model is identifiable, nor a combination of the inertias (of a single axis: any combination). The
+    /// simulation error of such a fit may still be small, for example with a huge inertia if a nearly constant column is used as
+    /// a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
         let is_open = |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable && !e.fixed);
-        let is_held = |j: usize| self.estimates.get(j).is_some_and(|e| e.fixed);
         let stalled = self.status == Some(Status::Stalled) && is_open(A1);
-        let nothing = [A1, A2, A4, A5].into_iter().all(|j| is_open(j) || is_held(j)) && is_open(A1);
+        let is_unknown =
+            |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable || e.fixed);
+        let nothing = is_open(A1) && [A2, A4, A5].into_iter().all(is_unknown);
         let single_axis = self.notes.iter().any(|note| matches!(note, Note::SingleAxis(_)));
         match single_axis {
             // its a1 is the sum of both wheels

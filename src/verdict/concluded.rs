@@ -214,7 +214,8 @@ fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> O
     Some(with.map_or(fall, |with| with.window_rms / errors.after.sqrt()))
 }
 
-/// Why a fit with the effect `id`, which lowers the held-out error, is not accepted; `now`: square of the reported error [rad^2/s^2].
+/// Why a fit with the effect `id`, which lowers the held-out error, is not accepted; `now`: square of the reported error
+/// [rad^2/s^2].
 fn reason(judge: &Judge, now: f64, fit: &WindowFit, id: &str) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));

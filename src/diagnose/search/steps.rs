@@ -115,8 +115,8 @@ impl Search<'_> {
     /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of a change of
     /// a torque also those of the unknown input between the rows.
     pub(super) fn is_sized(&self, fit: &WindowFit, id: &str) -> bool {
-        let is_shift =
-            fit.model.effects().iter().any(|e| e.id() == id && e.change() == Change::TimeShift);
+        let change = fit.place_of(id).map(|e| fit.model.effects()[e].change());
+        let is_shift = change == Some(Change::TimeShift);
         has_size(fit, id) && (is_shift || has_size(&with_sampling(fit.clone(), &self.windows), id))
     }
 
@@ -184,9 +184,7 @@ impl Search<'_> {
         for n in 0..steps.len().saturating_sub(1) {
             let e = given + n;
             let slots = last.fit.model.slots(e);
-            let model = last.fit.model.without(e);
-            let mut p = last.fit.p.clone();
-            p.drain(slots.clone());
+            let (model, p) = last.fit.without(e);
             let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
             let ratio = self.degrees * (without.cost / last.fit.cost).ln();
             if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&last.fit, &steps[n].id) {
@@ -249,8 +247,7 @@ impl Search<'_> {
         let mut shown = vec![first.shown];
         for step in steps {
             let before = fits.last().expect("the base is there");
-            let e = step.fit.model.effects().iter().position(|effect| effect.id() == step.id);
-            let Some(e) = e else { break };
+            let Some(e) = step.fit.place_of(&step.id) else { break };
             let effect = step.fit.model.effects()[e].clone();
             let shift = effect.change() == Change::TimeShift;
             let before = if shift { self.untimed(before) } else { before.clone() };
@@ -336,9 +333,7 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
 /// zero, by its 95 % interval: an effect that the training recordings do not show may lower the held-out error by accident.
 /// Recordings with fewer windows than parameters do not give the error of a time.
 pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
-    let Some(e) = fit.model.effects().iter().position(|effect| effect.id() == id) else {
-        return false;
-    };
+    let Some(e) = fit.place_of(id) else { return false };
     let (effect, slots) = (&fit.model.effects()[e], fit.model.slots(e));
     let quantile = t_quantile(0.975, fit.degrees());
     let is_sized = |j: usize| fit.p[j].abs() > quantile * fit.covariance[(j, j)].sqrt();

@@ -31,7 +31,7 @@ impl Interval {
 }
 
 /// The intervals in which the residual torque of the last model, root mean square over blocks of 1 s, exceeds
-/// [`Thresholds::far_above_floor`] times its median over all blocks; the largest ones, in the order of their recordings. `None`
+/// [`Thresholds::far_above_floor`] times its median over all blocks; those with the largest one, in the order of their recordings. `None`
 /// where there are none, and unless something unknown is missing.
 ///
 /// [`Thresholds::far_above_floor`]: crate::diagnose::Thresholds::far_above_floor
@@ -116,14 +116,14 @@ fn table(study: &Study, found: &[Interval], usual: f64) -> Table {
     );
     let mut table = Table::new(caption, columns);
     for interval in found {
-        let number = |v: f64, digits: usize| Cell::formatted(format::significant(v, digits), v);
+        let rms = interval.rms();
         let time = |v: f64| Cell::formatted(format!("{v:.1}"), v);
         table.push(vec![
             Cell::text(study.recordings[interval.recording].file.clone()),
             Cell::text(words::WHEELS[interval.wheel].to_owned()),
             time(interval.from),
             time(interval.to),
-            number(interval.rms(), 2),
+            Cell::formatted(format::significant(rms, 2), rms),
         ]);
     }
     table
