@@ -7,8 +7,8 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Asked, Dependence, WINDOW, WindowFloor, between_rows, ise, pooled_floor, simulate_recording,
-    unexplained_torque, unresolved, window_rms,
+    Asked, Dependence, WINDOW, WindowFloor, between_rows, ise, persistence_rms, pooled_floor,
+    simulate_recording, unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::mean;
@@ -192,6 +192,17 @@ impl Judge {
         };
         let places = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > 0.0);
         Ok(TWO_ERRORS.powi(2) * places.filter_map(square).sum::<f64>())
+    }
+
+    /// Mean square change of a speed within the windows [rad^2/s^2]: the squared error of constant speeds.
+    #[must_use]
+    pub fn change(&self) -> f64 {
+        let squares = self.recordings.iter().map(|r| {
+            let samples = r.len() as f64;
+            (samples, samples * persistence_rms(r, self.hold).powi(2))
+        });
+        let (samples, sum) = squares.fold((0.0, 0.0), |(n, s), (m, square)| (n + m, s + square));
+        sum / samples
     }
 
     /// The largest top speed of the judged recordings [rad/s].

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::quantile;
+use crate::math::{median, quantile};
 use crate::recording::Recording;
 
 /// Rows of rest before a step.
@@ -63,6 +63,38 @@ fn smallest_motion(r: &Recording, i: usize) -> f64 {
     }
 }
 
+/// The rows of a recording without those in which a wheel rests under an input of its own: what is needed to break away is
+/// not the friction of a moving wheel. Parts of a piece; those too short for a window are left to the caller.
+pub(super) fn in_motion(r: &Recording) -> Vec<Range<usize>> {
+    let limits = [0, 1].map(|i| (none(r, i), smallest_speed(r, i)));
+    let speed =
+        |k: usize| if r.measured().omega { r.omega()[k] } else { r.local_motion()[k].omega };
+    let held = |k: &usize| {
+        let speed = speed(*k);
+        (0..2).any(|i| speed[i].abs() <= limits[i].1 && r.torque()[*k][i].abs() > limits[i].0)
+    };
+    let parts = |piece: &Range<usize>| {
+        let rows: Vec<usize> = piece.clone().collect();
+        let runs = rows.chunk_by(|a, b| held(a) == held(b)).filter(|run| !held(&run[0]));
+        runs.map(|run| run[0]..run[run.len() - 1] + 1).collect::<Vec<_>>()
+    };
+    r.pieces().iter().flat_map(parts).collect()
+}
+
+/// Input of wheel `i` that counts as none.
+fn none(r: &Recording, i: usize) -> f64 {
+    NONE * quantile(r.torque().iter().map(|m| m[i].abs()), 0.99)
+}
+
+/// The smallest speed of wheel `i` that is not noise \[rad/s\].
+fn smallest_speed(r: &Recording, i: usize) -> f64 {
+    let noise = match r.measured().omega {
+        true => r.motion_noise().omega[i],
+        false => median(r.local_motion().iter().map(|m| m.omega_variance[i])).sqrt(),
+    };
+    (SURE * noise).max(MOVES * r.top_speed())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,5 +131,14 @@ mod tests {
                 assert!((truth..truth + 0.045).contains(&limit), "{late}: {limit}");
             }
         }
+    }
+
+    #[test]
+    fn rows_of_a_wheel_that_rests_under_its_input_are_not_in_motion() {
+        let plain = stepped(3, true);
+        // the wheels move from row 53 on, clearly after a few more; before row 50 there is no input that they could resist
+        let [rest, moving] = &in_motion(&plain)[..] else { panic!("{:?}", in_motion(&plain)) };
+        assert_eq!(*rest, 0..50);
+        assert!((53..60).contains(&moving.start) && moving.end == 200, "{moving:?}");
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::fit::{WindowFit, fit};
 use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL, with_later_input};
-use super::onset::latest_dead_time;
+use super::onset::{in_motion, latest_dead_time};
 use super::regression::Regression;
 use super::scale::scale_of;
 use super::smoothed::Smoothed;
@@ -64,7 +64,8 @@ impl Timing {
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
 /// the torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where the
-/// motion does not carry it, or where it began earlier after a step from rest.
+/// motion does not carry it, where it began earlier after a step from rest, or where a model above the floor of noise is simulated
+/// best outside the range.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
 /// speed; a simulation stops and breaks away by itself.
@@ -76,15 +77,14 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
     let balanced = by_balance(&regression, step);
     // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum
-    let starts = balanced.iter().map(|(shift, _)| *shift).filter(|shift| shift.abs() > step);
-    let simulated = starts
-        .chain([0.0])
-        .filter_map(|start| by_simulation(model, p, start, recordings, hold, &scale))
-        .min_by(|a, b| {
-            let outside = |fit: &ShiftFit| fit.shift.is_none();
-            outside(a).cmp(&outside(b)).then(a.error.total_cmp(&b.error))
-        });
+    let balanced_start = balanced.map(|(shift, _)| shift).filter(|shift| shift.abs() > step);
+    let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
+    let simulated = in_simulation(model, p, &starts, (recordings, hold), &scale);
     let shift = simulated.and_then(|s| s.shift);
+    // a model above the floor whose simulation fits no time lacks what the balance takes for one
+    if shift.is_none() && simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor) {
+        return None;
+    }
     let (dead_time_s, std_error_s) =
         shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
     let earliest = dead_time_s - THRESHOLDS.uncertain * std_error_s;
@@ -161,6 +161,61 @@ struct ShiftFit {
     error: f64,
 }
 
+impl ShiftFit {
+    /// Whether the motion is later than logging explains \[s\].
+    fn is_late(&self, logging: f64) -> bool {
+        self.shift.is_some_and(|(shift, error)| shift - THRESHOLDS.uncertain * error > logging)
+    }
+
+    /// The shift by all windows, or that by the `moving` wheels alone if they contradict it: friction that is larger at rest
+    /// than in motion delays the onset, not the motion. Without a shift by these, one of a model above the floor of noise is not
+    /// determined.
+    fn without_breakaway(self, moving: Option<Self>) -> Self {
+        let by_moving = moving.and_then(|fit| Some((fit, fit.shift?)));
+        match (by_moving, self.shift) {
+            (Some((_, (shift, error))), Some((all, own)))
+                if (all - shift).abs() <= THRESHOLDS.uncertain * own.hypot(error) =>
+            {
+                self
+            }
+            (Some((fit, _)), _) => fit,
+            (None, _) if self.error > THRESHOLDS.above_floor => Self { shift: None, ..self },
+            _ => self,
+        }
+    }
+}
+
+/// The shift by all windows of recordings from the best of some `starts`, and if that is later than logging explains by those of
+/// wheels in motion.
+fn in_simulation(
+    model: &Model,
+    p: &[f64],
+    starts: &[f64],
+    (recordings, hold): (&[&Recording], Hold),
+    scale: &Scale,
+) -> Option<ShiftFit> {
+    let over = |windows: &Windows| simulated(model, p, starts, windows, scale);
+    let all = over(&over_windows(model, p, recordings, hold))?;
+    let late = all.is_late(scale.logging);
+    let moving = late.then(|| moving_windows(model, p, recordings, hold)).flatten();
+    Some(moving.map_or(all, |moving| all.without_breakaway(over(&moving))))
+}
+
+/// The shift by simulation from the best of some `starts`; one inside its range is preferred.
+fn simulated(
+    model: &Model,
+    p: &[f64],
+    starts: &[f64],
+    windows: &Windows,
+    scale: &Scale,
+) -> Option<ShiftFit> {
+    let fits = starts.iter().filter_map(|start| by_simulation(model, p, *start, windows, scale));
+    fits.min_by(|a, b| {
+        let outside = |fit: &ShiftFit| fit.shift.is_none();
+        outside(a).cmp(&outside(b)).then(a.error.total_cmp(&b.error))
+    })
+}
+
 /// The shift by the simulation error of windows of 1 s, fitted with the parameters from `start` on. Of what half
 /// of the rows of the input moves the shift by, the share of the rows themselves is in the error. `None` where the
 /// model cannot follow them.
@@ -168,16 +223,15 @@ fn by_simulation(
     model: &Model,
     p: &[f64],
     start: f64,
-    recordings: &[&Recording],
-    hold: Hold,
+    windows: &Windows,
     scale: &Scale,
 ) -> Option<ShiftFit> {
-    let timed = timed(model, p, start, recordings, hold, scale)?;
+    let timed = timed_over(model, p, start, windows.clone(), scale)?;
     let error = timed.error();
     let Timed { windows, fit, shift: j } = timed;
     let moved = [0, 1].map(|phase| {
         // between its rows a held input is known
-        if hold == Hold::Constant {
+        if windows.hold == Hold::Constant {
             return 0.0;
         }
         let halved = windows.halved(phase);
@@ -262,9 +316,19 @@ pub(super) fn timed<'a>(
     hold: Hold,
     scale: &Scale,
 ) -> Option<Timed<'a>> {
+    timed_over(model, p, start, over_windows(model, p, recordings, hold), scale)
+}
+
+/// The same over given windows.
+fn timed_over<'a>(
+    model: &Model,
+    p: &[f64],
+    start: f64,
+    windows: Windows<'a>,
+    scale: &Scale,
+) -> Option<Timed<'a>> {
     let timed = with_timing(model, scale)?;
     let shift = timed.index_of(SYMBOL).ok()?;
-    let windows = over_windows(model, p, recordings, hold);
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &timed, &from, scale)?;
     Some(Timed { windows, fit, shift })
@@ -283,7 +347,23 @@ pub(super) fn over_windows<'a>(
     recordings: &[&'a Recording],
     hold: Hold,
 ) -> Windows<'a> {
-    let all = Windows::new(recordings.to_vec(), hold, model, p);
+    some(Windows::new(recordings.to_vec(), hold, model, p), model, p)
+}
+
+/// The same of the rows [`in_motion`]; `None` if these are all rows.
+fn moving_windows<'a>(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&'a Recording],
+    hold: Hold,
+) -> Option<Windows<'a>> {
+    let all = recordings.iter().all(|r| in_motion(r) == r.pieces());
+    let windows = || Windows::of_rows(recordings.to_vec(), hold, (model, p), in_motion);
+    (!all).then(|| some(windows(), model, p))
+}
+
+/// At most so many of the windows, evenly, weighted for a model at `p`.
+fn some<'a>(all: Windows<'a>, model: &Model, p: &[f64]) -> Windows<'a> {
     let every = all.windows.len().div_ceil(WINDOWS).max(1);
     all.only(|n| n % every == 0).sampled(model, p)
 }
@@ -294,4 +374,25 @@ fn step_of(windows: &Windows, fit: &WindowFit, j: usize) -> Option<f64> {
     let quadratic = windows.quadratic(&fit.model, &fit.p, &free)?;
     let step = Information::new(&quadratic.hessian).solve(&quadratic.gradient);
     free.iter().position(|&k| k == j).map(|n| -step[n])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wheels_in_motion_decide_on_a_time_that_breakaway_may_cause() {
+        let fit = |shift, error| ShiftFit { shift, error };
+        let (all, floor) = (fit(Some((0.12, 0.01)), 4.0), fit(Some((0.12, 0.01)), 1.0));
+        let of = |fit: ShiftFit| (fit.shift, fit.error);
+        // another time, the same one, one of any size
+        let [other, same, any] = [(0.0, 0.01), (0.10, 0.01), (0.0, 0.6)].map(|s| fit(Some(s), 2.0));
+        assert_eq!(of(all.without_breakaway(Some(other))), of(other));
+        assert_eq!(of(all.without_breakaway(Some(same))), of(all));
+        assert_eq!(of(all.without_breakaway(Some(any))), of(all));
+        for undetermined in [None, Some(fit(None, 2.0))] {
+            assert_eq!(of(all.without_breakaway(undetermined)), (None, 4.0));
+            assert_eq!(of(floor.without_breakaway(undetermined)), of(floor));
+        }
+    }
 }

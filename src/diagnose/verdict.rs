@@ -55,6 +55,16 @@ impl Errors {
             .map_or(0.0, |whole| ((after - self.floor) / whole).clamp(0.0, 1.0))
     }
 
+    /// Whether the recordings are too steady for any conclusion: a model of constant speeds, of squared error `change`, would be
+    /// called useful, and of its error above the floor the last model removes less than half. A flywheel, which keeps its
+    /// speed whatever acts on it, simulates such recordings as well as any robot.
+    #[must_use]
+    pub fn are_of_steady_speeds(&self, change: f64) -> bool {
+        let steady = change <= THRESHOLDS.useful.powi(2) * self.speed;
+        let explains = self.after - self.floor <= THRESHOLDS.unexplained * (change - self.floor);
+        steady && !explains
+    }
+
     /// Error of the last model over the noise floor.
     #[must_use]
     pub fn ratio(&self) -> f64 {
@@ -268,6 +278,19 @@ mod tests {
             slow_floor: false,
             speed: 1e4,
         }
+    }
+
+    #[test]
+    fn recordings_of_steady_speeds_that_a_flywheel_predicts_as_well_prove_nothing() {
+        // the floor is 1 and the top speed 100: constant speeds are useful up to an error of 5
+        let after = |error: f64| errors(9.0, error);
+        assert!(after(10.0).are_of_steady_speeds(16.0));
+        // the model removes more than half of 16 - 1, or nothing is steady
+        assert!(!after(8.0).are_of_steady_speeds(16.0));
+        assert!(!after(20.0).are_of_steady_speeds(25.1));
+        // of constant speeds at the floor a model has nothing to remove
+        assert!(after(1.01).are_of_steady_speeds(1.0));
+        assert!(after(f64::NAN).are_of_steady_speeds(16.0));
     }
 
     #[test]

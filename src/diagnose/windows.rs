@@ -9,6 +9,8 @@ mod linear;
 mod sums;
 mod window;
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -53,10 +55,20 @@ impl<'a> Windows<'a> {
     /// recorded input spreads into the simulated speed.
     #[must_use]
     pub fn new(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
+        Self::of_rows(recordings, hold, (model, p), |r| r.pieces().to_vec())
+    }
+
+    /// The same over parts of the recordings only, of which `rows` gives the ranges; each of them lies in one piece.
+    pub(super) fn of_rows(
+        recordings: Vec<&'a Recording>,
+        hold: Hold,
+        (model, p): (&Model, &[f64]),
+        rows: impl Fn(&Recording) -> Vec<Range<usize>>,
+    ) -> Self {
         let mobility = mobility(model, p);
         let mut windows = Vec::new();
         for (r, recording) in recordings.iter().enumerate() {
-            for piece in recording.pieces() {
+            for piece in &rows(recording) {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &recording.local_motion()[rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);

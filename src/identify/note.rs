@@ -99,12 +99,14 @@ pub enum Note {
         /// Rows per second that would be sufficient.
         rate: usize,
     },
-    /// `torque_regression` simulates better, and its values are used.
-    BetterRegression {
+    /// Another method simulates better, and its values are used.
+    BetterMethod {
+        /// Name of that method.
+        method: String,
         /// Whether on held-out pieces, or on the training recordings themselves.
         held_out: bool,
         /// Its 2 s simulation error [rad/s].
-        regression: f64,
+        other: f64,
         /// That of the filter [rad/s].
         filter: f64,
     },

@@ -44,7 +44,8 @@ use interval::{Spread, of_scores, spread};
 /// simulation, which is better if the model is incomplete. With `horizon_s = "auto"` the
 /// horizon is chosen by cross-validation of the 2 s simulation error over pieces of the training data;
 /// T = 0 is kept unless another horizon is better by more than one paired standard error. If a regression of
-/// torques is better still, its values are used, and a note states this. If noise of the input would bias the
+/// torques is better still, or if the weak form or the free simulation has an error smaller by more than one half, the
+/// values of that method are used, and a note states this. If noise of the input would bias the
 /// maximum-likelihood fit by more than its standard error (light robots with much friction), or if
 /// the innovations are twice as large as the noise explains, the horizons begin at 0.2 s; in the second case
 /// the noise of the input is assumed equal in all rows, and the intervals include the disagreement with the regression
@@ -189,7 +190,9 @@ impl PredictionError {
         }
         // a regression would find the same unbounded inertia
         if self.horizon_s == Horizon::default() && !spread_out {
-            return Ok(rival::better((task, rows), &open, &chosen, fit, filter.alike));
+            let simulates = open.mean(task.model, &start).sqrt();
+            let fit = rival::better((task, rows), &open, &chosen, fit, filter.alike);
+            return Ok(rival::unless_it_fails(task, &open, fit, (filter.alike, simulates)));
         }
         Ok(fit)
     }

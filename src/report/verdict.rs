@@ -59,6 +59,11 @@ fn differs_words(difference: &Difference) -> String {
 pub fn not_determined(why: Undetermined) -> String {
     match why {
         Undetermined::Columns => OF_COLUMNS.to_owned(),
+        Undetermined::Steady { change } => format!(
+            "The model cannot be determined from these recordings: the speeds hardly change. Of the change of a speed within \
+             2 s, {} rad/s (root mean square), the model explains less than half, so that its parameters say little.",
+            significant(change, 2)
+        ),
         Undetermined::Short { seconds } => format!(
             "Whether an effect is missing cannot be determined: the training recordings last {} s together, less than a \
              window of the simulation error.",

@@ -190,6 +190,8 @@ pub struct Logging {
 pub enum Advice {
     /// The columns do not determine the model: check names and units of the columns.
     CheckColumns,
+    /// The speeds hardly change: movement that determines the inertias.
+    ChangeSpeed,
     /// The rows are too slow for the inertias.
     RecordFaster {
         /// Sufficient number of rows per second.

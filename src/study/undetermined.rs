@@ -5,6 +5,11 @@
 pub enum Undetermined {
     /// The columns do not: they are others than those of wheels and of their input.
     Columns,
+    /// The speeds hardly change, and of the change the model explains less than half.
+    Steady {
+        /// Root mean square change of a speed within 2 s [rad/s].
+        change: f64,
+    },
     /// They are shorter than a window of the simulation error.
     Short {
         /// How long they are together \[s\].

@@ -61,6 +61,7 @@ impl<'a> Concluded<'a> {
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
         let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
         let errors = judge.errors(diagnosis, floor, basis.train)?;
+        let undetermined = undetermined.or_else(|| steady(&judge, &errors));
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
         let acts =
@@ -141,6 +142,7 @@ impl<'a> Concluded<'a> {
             (Some(Undetermined::Columns | Undetermined::Short { .. }), _) => {
                 vec![Advice::CheckColumns]
             }
+            (Some(Undetermined::Steady { .. }), _) => vec![Advice::ChangeSpeed],
             (Some(Undetermined::BetweenRows { rate, .. }), _) => {
                 vec![Advice::RecordFaster { rate }]
             }
@@ -203,6 +205,12 @@ impl<'a> Concluded<'a> {
             speeds_alone: train.iter().all(|r| !r.measured().alpha),
         }
     }
+}
+
+/// Why judged recordings whose speeds hardly change do not determine a model.
+fn steady(judge: &Judge, errors: &Errors) -> Option<Undetermined> {
+    let change = judge.change();
+    errors.are_of_steady_speeds(change).then(|| Undetermined::Steady { change: change.sqrt() })
 }
 
 /// Ratio of the reported error with a likely effect to that without it; without validation recordings that of the windows

@@ -52,10 +52,7 @@ impl Held {
             let Some(best) = held.min_by(|a, b| error(a).total_cmp(&error(b))) else { break };
             out = best;
         }
-        let narrow = out
-            .gyration(task, &out.solution.p)
-            .is_some_and(|squared| squared < 1.0 / (WIDEST * WIDEST));
-        if narrow {
+        if is_narrow(&out.model, task.train, &out.solution.p) {
             let free =
                 |j: &usize| task.model.parameters()[*j].fixed.is_none() && !out.places.contains(j);
             let held: Vec<usize> = [A2, A3].into_iter().filter(free).collect();
@@ -65,17 +62,6 @@ impl Held {
             }
         }
         out
-    }
-
-    /// Radius of gyration about the vertical in half tracks, squared; `None` for a single axis or a fixed a2.
-    ///
-    /// ```text
-    /// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
-    /// ```
-    fn gyration(&self, task: &Task, p: &[f64]) -> Option<f64> {
-        let two = !task.train.iter().all(Recording::is_single_axis);
-        let free = self.model.parameters()[A2].fixed.is_none();
-        (two && free).then(|| (p[A1] - p[A2]) / (p[A1] + p[A2]))
     }
 
     /// The same with parameter `j` fixed at `value`, after a descent from there; `None` if that is not possible.
@@ -103,8 +89,8 @@ impl Held {
         filter: &HorizonFilter,
         chosen: &Solution,
     ) -> bool {
-        let too_wide =
-            self.gyration(task, &chosen.p).is_some_and(|squared| squared > WIDEST * WIDEST);
+        let too_wide = gyration(&self.model, task.train, &chosen.p)
+            .is_some_and(|squared| squared > WIDEST * WIDEST);
         let held = too_wide.then(|| self.holding(filter, A2, 0.0)).flatten();
         let Some(held) = held else { return false };
         *self = held;
@@ -131,4 +117,20 @@ impl Held {
         };
         self.places.iter().map(one).collect()
     }
+}
+
+/// Radius of gyration about the vertical in half tracks, squared; `None` for a single axis or a fixed a2.
+///
+/// ```text
+/// (a1 - a2)/(a1 + a2) ≈ (radius of gyration about the vertical / half the track)²
+/// ```
+fn gyration(model: &Model, train: &[Recording], p: &[f64]) -> Option<f64> {
+    let two = !train.iter().all(Recording::is_single_axis);
+    let free = model.parameters()[A2].fixed.is_none();
+    (two && free).then(|| (p[A1] - p[A2]) / (p[A1] + p[A2]))
+}
+
+/// Whether the inertia of turning is smaller than that of any robot.
+pub(super) fn is_narrow(model: &Model, train: &[Recording], p: &[f64]) -> bool {
+    gyration(model, train, p).is_some_and(|squared| squared < 1.0 / (WIDEST * WIDEST))
 }

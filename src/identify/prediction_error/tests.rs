@@ -71,7 +71,7 @@ fn a_light_robot_whose_friction_is_most_of_the_input_is_not_found_too_heavy() {
     let a1 = fit.estimate("a1").unwrap();
     // the bias that noise of the input makes at T = 0 with plain derivatives is tens of percent
     assert!((a1.value / truth[A1] - 1.0).abs() < 0.1, "{} {:?}", a1.value / truth[A1], fit.notes);
-    let taken = matches!(fit.notes[0], Note::BetterRegression { .. });
+    let taken = matches!(fit.notes[0], Note::BetterMethod { .. });
     assert!(fit.horizon_s.is_some() || taken, "{:?}", fit.notes);
 }
 

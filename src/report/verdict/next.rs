@@ -48,6 +48,9 @@ fn words(advice: &Advice) -> String {
              units are right, that of the time too: `experiment new` shows the ranges of all columns."
                 .to_owned()
         }
+        Advice::ChangeSpeed => {
+            "Record speeding up, braking and reversals, best by steps of the input without feedback.".to_owned()
+        }
         Advice::RecordFaster { rate } => {
             format!("Record the input about ten times faster, at {rate} rows per second.")
         }

@@ -180,13 +180,13 @@ impl fmt::Display for Note {
                 },
                 100.0 * share
             ),
-            Self::BetterRegression { held_out, regression, filter } => {
+            Self::BetterMethod { method, held_out, other, filter } => {
                 let on = if *held_out { "held-out pieces" } else { "the training recordings" };
                 write!(
                     f,
-                    "These are the values of torque_regression: its 2 s simulation error on {on} is \
+                    "These are the values of {method}: its 2 s simulation error on {on} is \
                      {} rad/s, that of the filter {}.",
-                    digits(*regression, 3),
+                    digits(*other, 3),
                     if filter.is_finite() { digits(*filter, 3) } else { "infinite".into() }
                 )
             }
