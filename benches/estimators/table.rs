@@ -4,7 +4,8 @@ use amigo_ident::identify::{Estimate, Fit};
 
 use super::cases::Case;
 
-/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is held at a known value.
+/// A parameter: symbol, error in standard errors, whether the interval covers the true value, and whether it is held at
+/// a known value.
 type Found = (String, f64, bool, bool);
 
 /// Result of one case.

@@ -5,11 +5,11 @@
 //!     [--simulator own,second] [--logs 100hz | all] [--effects ID,...] [--seeds N] [--from SEED] [--every K]
 //!     [--rates 0.01,0.05,0.2] [--jobs N] [--minutes M] [--json OUT] [--case ID,...] [--write DIR [--csv]] [--given]
 //! ```
-//! Every case is determined by its id, `robot/simulator/log/effect/size/seed`:
-//! `--case ID` runs it, `--write DIR` writes its recordings and an experiment file instead. With `--json`
-//! every outcome is a line of that file, and cases that it already contains are not run again, so that a
-//! long run can be made in slices of `--minutes`. With `--given` the model contains the hidden effects, and the intervals of its
-//! parameters are judged in place of the diagnosis. The tables cover all selected cases that have an outcome.
+//! Every case is determined by its id, `robot/simulator/log/effect/size/seed`: `--case ID` runs it, `--write DIR`
+//! writes its recordings and an experiment file instead. With `--json` every outcome is a line of that file, and cases
+//! that it already contains are not run again, so that a long run can be made in slices of `--minutes`. With `--given`
+//! the model contains the hidden effects, and the intervals of its parameters are judged in place of the diagnosis. The
+//! tables cover all selected cases that have an outcome.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod given;

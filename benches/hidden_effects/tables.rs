@@ -161,8 +161,8 @@ fn coverage_row(group: &[&Row]) -> String {
     cells.join(" | ")
 }
 
-/// Share of the p-values of healthy sets below a rate. The p-value of a refitted candidate is that of a single test; the first of
-/// the ranking has been selected, so that its p-value is not.
+/// Share of the p-values of healthy sets below a rate. The p-value of a refitted candidate is that of a single test;
+/// the first of the ranking has been selected, so that its p-value is not.
 fn calibration(rows: &[&Row], rates: &[f64]) {
     if rows.is_empty() {
         return;

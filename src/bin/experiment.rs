@@ -40,9 +40,8 @@ struct Run {
     /// Folder that receives one result folder per experiment.
     #[arg(long, default_value = "reports", value_name = "DIR")]
     out: PathBuf,
-    /// Threads to use; all cores unless given.
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    #[command(flatten)]
+    threads: Threads,
     /// Override a key of the files, TOML syntax: --set simulation.seed=7
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -55,6 +54,13 @@ struct Run {
     /// Run only part I of N of the combinations of a grid; `experiment merge` joins the parts.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+}
+
+#[derive(clap::Args)]
+struct Threads {
+    /// Threads to use; all cores unless given.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
 }
 
 #[derive(Subcommand)]
@@ -80,6 +86,8 @@ enum Command {
         /// Folder of the result folders.
         #[arg(long, default_value = "reports", value_name = "DIR")]
         out: PathBuf,
+        #[command(flatten)]
+        threads: Threads,
     },
     /// Export the results of the last run to other formats.
     Export {
@@ -111,6 +119,8 @@ enum Command {
         /// Print nothing but errors.
         #[arg(long)]
         quiet: bool,
+        #[command(flatten)]
+        threads: Threads,
     },
     /// Check files and recordings without fitting, and show the settings.
     Check {
@@ -120,6 +130,8 @@ enum Command {
         /// Override a key of the files.
         #[arg(long, value_name = "KEY=VALUE")]
         set: Vec<String>,
+        #[command(flatten)]
+        threads: Threads,
     },
     /// List the physical effects, or describe one of them.
     Effects {
@@ -142,6 +154,34 @@ enum Command {
     },
 }
 
+impl Cli {
+    /// The limit on threads of the command, if it has one.
+    fn threads(&self) -> Option<&Threads> {
+        match &self.command {
+            None => Some(&self.run.threads),
+            Some(Command::Run(run)) => Some(&run.threads),
+            Some(
+                Command::Add { threads, .. }
+                | Command::Merge { threads, .. }
+                | Command::Check { threads, .. },
+            ) => Some(threads),
+            Some(_) => None,
+        }
+    }
+}
+
+impl Threads {
+    /// Limits the number of threads of all parallel computations.
+    fn limit(&self) -> Result<(), String> {
+        let pool = rayon::ThreadPoolBuilder::new();
+        match self.jobs {
+            None => Ok(()),
+            Some(0) => Err("--jobs 0: at least one thread is needed".into()),
+            Some(n) => pool.num_threads(n).build_global().map_err(|e| format!("--jobs {n}: {e}")),
+        }
+    }
+}
+
 /// Wrong usage, file or data.
 const WRONG: u8 = 2;
 /// An experiment failed.
@@ -150,24 +190,28 @@ const FAILED: u8 = 1;
 fn main() -> ExitCode {
     silence_the_parquet_reader();
     let cli = Cli::parse();
+    if let Err(wrong) = cli.threads().map_or(Ok(()), Threads::limit) {
+        eprintln!("error: {wrong}");
+        return ExitCode::from(WRONG);
+    }
     match cli.command {
         None => run(&cli.run),
         Some(Command::Run(arguments)) => run(&arguments),
         Some(Command::New { recordings, output }) => {
             print_or_complain(experiment::new_file(&recordings, output.as_deref()))
         }
-        Some(Command::Add { effect, file, out }) => {
+        Some(Command::Add { effect, file, out, .. }) => {
             print_or_complain(experiment::add_effect(&effect, &file, &out))
         }
         Some(Command::Export { file, to, out, set }) => {
             print_or_complain(experiment::export(&file, &to, &out, &set))
         }
-        Some(Command::Merge { files, out, set, quiet }) => merge(
+        Some(Command::Merge { files, out, set, quiet, .. }) => merge(
             &files,
             &RunOptions { out, set, resume: true, shard: None, progress: false },
             quiet,
         ),
-        Some(Command::Check { files, set }) => check(&files, &set),
+        Some(Command::Check { files, set, .. }) => check(&files, &set),
         Some(Command::Effects { effect: None }) => print(&effects::overview()),
         Some(Command::Effects { effect: Some(id) }) => {
             let ids = effects::all().iter().map(|e| e.id()).collect();
@@ -297,10 +341,6 @@ fn run(run: &Run) -> ExitCode {
         let _ = Cli::command().print_help();
         return ExitCode::from(WRONG);
     }
-    if let Err(wrong) = with_threads(run.jobs) {
-        eprintln!("error: {wrong}");
-        return ExitCode::from(WRONG);
-    }
     if let Some(hint) = misspelt(&run.files) {
         eprintln!("error: {}", printable(&hint));
         return ExitCode::from(WRONG);
@@ -330,16 +370,6 @@ fn run(run: &Run) -> ExitCode {
         }
     };
     execute(plans, run, &options)
-}
-
-/// Limits the number of threads of all parallel computations.
-fn with_threads(jobs: Option<usize>) -> Result<(), String> {
-    let pool = rayon::ThreadPoolBuilder::new();
-    match jobs {
-        None => Ok(()),
-        Some(0) => Err("--jobs 0: at least one thread is needed".into()),
-        Some(n) => pool.num_threads(n).build_global().map_err(|e| format!("--jobs {n}: {e}")),
-    }
 }
 
 fn execute(plans: Vec<Plan>, run: &Run, options: &RunOptions) -> ExitCode {

@@ -57,8 +57,8 @@ impl Curve {
     /// ```text
     /// T = Σ z² ~ χ²,   z: normal quantile of the p-value of t = (mean - c)/se, of B - 1 degrees of freedom in B blocks
     /// ```
-    /// c is zero for a torque; for a resistance or a gain it is the mean of all bins, weighted by 1/se², which does not depend
-    /// on the variable.
+    /// c is zero for a torque; for a resistance or a gain it is the mean of all bins, weighted by 1/se², which does not
+    /// depend on the variable.
     ///
     /// Source of z: Wallace, Ann. Math. Stat. 30 (1959).
     #[must_use]

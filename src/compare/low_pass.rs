@@ -3,7 +3,7 @@
 use nalgebra::{SVector, Vector2};
 
 use crate::math::filter::{Extension, butterworth, filter_both_ways, filter_within, reflected};
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::{LocalMotion, Recording, differentiate};
 
 /// Order of the low-pass; it is applied forwards and backwards.
 const ORDER: usize = 2;
@@ -86,17 +86,15 @@ fn filter_some<const N: usize>(
 pub fn smooth_motion(r: &Recording, cutoff: f64) -> Vec<LocalMotion> {
     let alpha = filtered(r, cutoff, &r.on_lines(r.alpha()));
     let omega = filtered(r, cutoff, &r.on_lines(r.omega()));
-    let t = r.t();
-    let mut out = vec![LocalMotion::default(); r.len()];
-    for piece in r.pieces() {
-        for k in piece.clone() {
-            let (a, b) = (k.saturating_sub(1).max(piece.start), (k + 1).min(piece.end - 1));
-            let acceleration = [0, 1]
-                .map(|i| if b > a { (omega[b][i] - omega[a][i]) / (t[b] - t[a]) } else { 0.0 });
-            out[k] = LocalMotion { alpha: alpha[k], omega: omega[k], acceleration, ..out[k] };
-        }
-    }
-    out
+    let acceleration = differentiate(r.t(), &omega, r.pieces(), 1);
+    let rows = alpha.into_iter().zip(omega).zip(acceleration);
+    rows.map(|((alpha, omega), acceleration)| LocalMotion {
+        alpha,
+        omega,
+        acceleration,
+        ..LocalMotion::default()
+    })
+    .collect()
 }
 
 #[cfg(test)]

@@ -72,8 +72,8 @@ impl<'a> Runs<'a> {
         Ok(runs)
     }
 
-    /// Initial states, with a realisation of the noise of the speeds if `rng` is given; those of the windows are the same draws
-    /// with a free simulation and without.
+    /// Initial states, with a realisation of the noise of the speeds if `rng` is given; those of the windows are the
+    /// same draws with a free simulation and without.
     fn starts(&self, mut rng: Option<&mut ChaCha8Rng>) -> Starts {
         let motion = self.recording.local_motion();
         let mut of = |ranges: &[Range<usize>]| -> Vec<State> {

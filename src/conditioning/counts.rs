@@ -34,8 +34,8 @@ const LEVELS: usize = 4;
 const OFF: f64 = 0.05;
 /// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their logarithms.
 const TAKEN_BACK: f64 = 1.414;
-/// Variance of the second differences above that is nearer to that of counts, 20/12, than to that of rounded speeds, 6/12, by
-/// their logarithms.
+/// Variance of the second differences above that is nearer to that of counts, 20/12, than to that of rounded speeds,
+/// 6/12, by their logarithms.
 const COUNTED: f64 = 0.913;
 /// Variance of the second differences where counts are those of an angle: 20/12 by rounding, and as much by the motion.
 const ROUNDED: f64 = 2.0 * 20.0 / 12.0;

@@ -8,10 +8,10 @@
 //! friction <= F = max(2 c2 + 3 s, S)                                  (at rest)
 //! ```
 //! c2: Coulomb friction, of which static friction is at most about twice; s: residual of the fit; S: input at which the
-//! wheel started from its other rests (lower quartile). If a speed other than zero is repeated, M' is taken relative to its
-//! mean in the stretch, and F = 3 s. The rows are left out if that motion is well above the resolution for longer than
-//! dead time explains. Motion in both directions excludes a wall. So are they if the wheel stops and starts again at speed within three rows, with three
-//! times the change of speed of any other three rows, whatever the input.
+//! wheel started from its other rests (lower quartile). If a speed other than zero is repeated, M' is taken relative to
+//! its mean in the stretch, and F = 3 s. The rows are left out if that motion is well above the resolution for longer
+//! than dead time explains. Motion in both directions excludes a wall. So are they if the wheel stops and starts again
+//! at speed within three rows, with three times the change of speed of any other three rows, whatever the input.
 
 use std::ops::Range;
 
@@ -164,8 +164,9 @@ impl<'a> Log<'a> {
         judged.filter_map(stretch).collect()
     }
 
-    /// Whether the speed of a wheel, faster than `slow` on both sides of a stretch, falls to zero and returns within a few rows,
-    /// by more than in as many rows anywhere else: no torque of the log does this, but a sensor that fails and returns.
+    /// Whether the speed of a wheel, faster than `slow` on both sides of a stretch, falls to zero and returns within a
+    /// few rows, by more than in as many rows anywhere else: no torque of the log does this, but a sensor that fails
+    /// and returns.
     fn stops_and_starts_at_once(&self, i: usize, rows: &Range<usize>, slow: f64) -> bool {
         let Some(piece) = self.pieces.iter().find(|p| p.contains(&rows.start)) else {
             return false;

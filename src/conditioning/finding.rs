@@ -104,13 +104,18 @@ pub enum Kind<C = usize, R = f64> {
         /// Root mean square of the scatter, as a share of a row.
         share: R,
     },
+    /// Rows with the newest first; turned round.
+    NewestFirst {
+        /// How many rows.
+        rows: C,
+    },
     /// A timer of so many seconds began again.
     ClockWrap {
         /// How often.
         count: C,
         /// The first row behind it.
         row: C,
-        /// Its period \[s\].
+        /// Time after which the timer begins again \[s\].
         period_s: R,
     },
     /// The clock was set back by this time \[s\]; the rows continue after a gap.
@@ -124,7 +129,7 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// A clock that is constant for a number of rows and then advances by a number of seconds.
     CoarseClock {
-        /// Its tick \[s\].
+        /// Step by which it advances \[s\].
         tick_s: R,
         /// Rows within a tick.
         rows: R,
@@ -164,7 +169,7 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An angle that wraps at so many radians.
     Wrapped {
-        /// Period \[rad\].
+        /// Angle after which it begins again \[rad\].
         period_rad: R,
         /// How often.
         turns: C,
@@ -189,7 +194,8 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input that is held until the next row, as determined from the motion.
     HeldInput,
-    /// An input that the experiment file describes as held from row to row and that changes between the rows, as determined from the motion.
+    /// An input that the experiment file describes as held from row to row and that changes between the rows, as
+    /// determined from the motion.
     StepsBetweenRows,
     /// Shift of the input relative to the mean of the recordings, as determined from the motion.
     Phase {
@@ -348,6 +354,7 @@ impl Kind {
             Self::SlowPair { share } => ("slow_pair", share, "1"),
             Self::OwnRows { share } => ("own_rows", share, "1"),
             Self::TimeRows { rows, .. } => ("time_not_increasing", rows as f64, "rows"),
+            Self::NewestFirst { rows } => ("newest_first", rows as f64, "rows"),
             Self::Jitter { share } => ("jitter", share, "rows"),
             Self::ClockWrap { period_s, .. } => ("clock_wrap", period_s, "s"),
             Self::ClockRestart { back_s, .. } => ("clock_restart", back_s, "s"),

@@ -2,14 +2,15 @@
 //! function from the channels of a file to consistent channels and a list of findings.
 //!
 //! ```text
-//! rows       without a value | of a repeated or backward time | of a restarted clock | of a coarse clock | stamped in batches
-//!            | whose stamps scatter
+//! rows       newest first | without a value | of a repeated or backward time | of a restarted clock
+//!            | of a coarse clock | stamped in batches | whose stamps scatter
 //! columns    slower than the rows | of the other wheel | at rates of their own
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
 //! speeds     kept at rest | counts of an encoder | in another unit | of another sign | late | computed from the angles
-//! input      sampled more slowly than the sensors | against the motion | of a few levels | a magnitude without sign | not zero at rest
+//! input      sampled more slowly than the sensors | against the motion | of a few levels
+//!            | a magnitude without sign | not zero at rest
 //! sensors    that never move, give no new value while driven, refresh more slowly than the rows, or are coarse
 //! ```
 //! Each finding states its treatment: corrected (with the key of `[conditioning]` that disables this),
@@ -23,6 +24,7 @@ mod counterpart;
 mod counts;
 mod dead;
 mod error;
+mod far_out;
 mod finding;
 mod frozen;
 mod held_input;
@@ -101,6 +103,7 @@ pub fn condition(
     context: &Context,
 ) -> Result<Conditioned, ConditioningError> {
     let mut work = Conditioned { channels, findings: vec![] };
+    rows::newest_first(&mut work, settings);
     rows::values(&mut work, settings, context);
     rows::times(&mut work, settings, context);
     let t = &work.channels.t;

@@ -15,6 +15,23 @@ const SPARSE: f64 = 0.05;
 /// late, or a few that came in another order, do not repeat that often.
 const RESTARTED: usize = 10;
 
+/// Share of the steps of time that are negative, from which on the newest row is first.
+const FALLING: f64 = 0.95;
+
+/// Turns the rows round where the newest is first.
+pub(super) fn newest_first(work: &mut Conditioned, settings: &Settings) {
+    let c = &mut work.channels;
+    let falls = c.t.windows(2).filter(|w| w[1] < w[0]).count();
+    if !settings.rows || c.t.len() < 2 || (falls as f64) < FALLING * (c.t.len() - 1) as f64 {
+        return;
+    }
+    c.t.reverse();
+    c.torque.reverse();
+    [&mut c.alpha, &mut c.omega].into_iter().flatten().for_each(|rows| rows.reverse());
+    let kind = Kind::NewestFirst { rows: c.t.len() };
+    work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
+}
+
 /// Leaves out rows without a number, and resamples slower columns to the rows of the fastest sensor.
 pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if !settings.rows
@@ -207,6 +224,19 @@ mod tests {
             assert_eq!(w.findings.len(), expected);
             assert!(w.channels.t.windows(2).all(|p| p[0] < p[1]));
         }
+    }
+
+    #[test]
+    fn rows_with_the_newest_first_are_turned_round() {
+        let mut w = work(even(100).into_iter().rev().collect());
+        newest_first(&mut w, &Settings::default());
+        assert_eq!(w.channels.t, even(100));
+        // every value stays in the row of its time
+        assert!(w.channels.torque.iter().zip(&w.channels.t).all(|(m, t)| m[0] == *t));
+        assert!(matches!(w.findings[..], [Finding { kind: Kind::NewestFirst { rows: 100 }, .. }]));
+        let mut w = work(even(100));
+        newest_first(&mut w, &Settings::default());
+        assert!(w.findings.is_empty());
     }
 
     #[test]

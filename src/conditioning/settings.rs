@@ -16,7 +16,8 @@ pub struct Settings {
     pub spikes: bool,
     /// Speeds in another unit than the angles, by a known factor, are converted.
     pub units: bool,
-    /// The sign of a speed or angle that contradicts its counterpart, or of an input that acts against the motion, is reversed.
+    /// The sign of a speed or angle that contradicts its counterpart, or of an input that acts against the motion, is
+    /// reversed.
     pub signs: bool,
     /// Columns that belong to the other wheel are exchanged.
     pub exchanged: bool,

@@ -178,8 +178,9 @@ fn span(s: &Samples) -> Option<usize> {
     (own > 0.0 && least < SHARED * own).then_some(m)
 }
 
-/// Lag of a wheel's speed, and whether it is exact. Where the windows far off the others are those in which the speed changes, it
-/// is found from all of them, to the sampling instant within a row: few windows decide, in which no trapezoid is exact.
+/// Lag of a wheel's speed, and whether it is exact. Where the windows far off the others are those in which the speed
+/// changes, it is found from all of them, to the sampling instant within a row: few windows decide, in which no
+/// trapezoid is exact.
 fn lag(s: &Samples) -> Option<(Lag, bool)> {
     let way = integral(s);
     let windows = windows(s);

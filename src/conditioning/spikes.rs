@@ -10,12 +10,14 @@
 //! Normal noise practically never reaches 18 s, noise with exponential tails once in 10^8 samples. A
 //! wheel cannot jump and return, so such a sample of a sensor is an error. An input can; a sample of
 //! it is an error if the wheel does not respond to it as to the rest of the input.
+//! Samples far beyond all others (`far_out.rs`) are replaced first: they would be the measure for the others.
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
 use super::angles::excursions;
+use super::far_out::{DELAY, Spike, are_felt, far_out, in_order, without};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, pieces, quantile};
 use super::{Conditioned, Context, Settings};
@@ -33,14 +35,6 @@ const ISOLATED: f64 = 0.01;
 const ALONE: f64 = 0.25;
 /// Number of standard errors for a significant response, or its absence.
 const SURE: f64 = 4.0;
-
-/// An outlier: its rows, the correct value, and its deviation.
-#[derive(Clone, Debug)]
-pub(super) struct Spike {
-    rows: Range<usize>,
-    value: f64,
-    out: f64,
-}
 
 /// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row, which
 /// its angle does not.
@@ -63,9 +57,10 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
                 // wraps would be taken for wrong samples
                 Channel::Angle(_) if settings.unwrap => of_angle(t, values, &samples),
                 _ => {
-                    let mut found = spikes(t, &values, &samples);
+                    let far = far_out(t, &values);
+                    let mut found = spikes(t, &without(values, &far), &samples);
                     found.retain(|spike| !steps[spike.rows.start]);
-                    found
+                    in_order(far, found)
                 }
             };
             correct(work, settings, name, &found);
@@ -73,16 +68,22 @@ pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     }
 }
 
-/// Inputs; commands are recorded as sent and cannot be wrong.
+/// Inputs; commands are recorded as sent, so that only samples far beyond all others are wrong.
 pub(super) fn inputs(work: &mut Conditioned, settings: &Settings, context: &Context) {
-    if context.commanded {
-        return;
-    }
     for i in 0..2 {
         let values = column(&work.channels.torque, i);
+        let t = &work.channels.t;
+        let mut far = far_out(t, &values);
+        if are_felt(work, &far, i) {
+            far.clear();
+        }
+        let values = without(values, &far);
         let rows: Vec<usize> = (0..values.len()).collect();
-        let found = unfelt(work, &values, spikes(&work.channels.t, &values, &rows), i);
-        correct(work, settings, Channel::Input(i), &found);
+        let found = match context.commanded {
+            true => vec![],
+            false => unfelt(work, &values, spikes(t, &values, &rows), i),
+        };
+        correct(work, settings, Channel::Input(i), &in_order(far, found));
     }
 }
 
@@ -223,8 +224,6 @@ pub(super) fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]
 
 /// Rows of a stretch.
 const STRETCH: usize = 10;
-/// Largest delay of the response of a wheel in rows.
-const DELAY: usize = 10;
 /// Part of the fastest speed below which a wheel may be stopping, and rows around a pulse in which it
 /// must be faster.
 const SLOW: f64 = 0.05;

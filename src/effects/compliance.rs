@@ -93,6 +93,7 @@ impl Physics for Compliance {
 #[cfg(test)]
 mod tests {
     use crate::model::Model;
+    use crate::model::base::{A4, A5, COUNT};
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, simulate};
 
@@ -102,8 +103,8 @@ mod tests {
         let a = robot.construction.parameters();
         let model = Model::base(robot).add("compliance").unwrap();
         let mut p = model.initial();
-        (p[3], p[4], p[6]) = (0.0, 0.0, 0.0); // no friction, no damping
-        let (motor, push, spring) = (0.025, 0.2, p[5]);
+        (p[A4], p[A5], p[COUNT + 1]) = (0.0, 0.0, 0.0); // no friction, no damping
+        let (motor, push, spring) = (0.025, 0.2, p[COUNT]);
         let body = a.a1 + a.a2 - motor;
         let t: Vec<f64> = (0..51).map(|k| 0.01 * f64::from(k)).collect();
         let torque = vec![[push; 2]; 51];

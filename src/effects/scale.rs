@@ -31,7 +31,8 @@ pub struct Scale {
     pub bandwidth: f64,
     /// Whether an inertia (a1, a2) or a3 is fixed, for example at its construction value.
     pub inertia_held: bool,
-    /// Whether two wheels were measured with torques or currents, as a second body requires: a back-EMF acts on the motor alone.
+    /// Whether two wheels were measured with torques or currents, as a second body requires: a back-EMF acts on the
+    /// motor alone.
     pub two_bodies: bool,
 }
 

@@ -78,6 +78,7 @@ impl Physics for WheelSlip {
 #[cfg(test)]
 mod tests {
     use crate::model::Model;
+    use crate::model::base::{A1, A2, A4, A5, COUNT};
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, simulate};
 
@@ -85,7 +86,7 @@ mod tests {
     fn pushed(stiffness: f64) -> Vec<State> {
         let model = Model::base(Robot::amigobot()).add("wheel_slip").unwrap();
         let mut p = model.initial();
-        (p[3], p[4], p[5]) = (0.0, 0.0, stiffness);
+        (p[A4], p[A5], p[COUNT]) = (0.0, 0.0, stiffness);
         let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
         let torque = vec![[0.2; 2]; 101];
         let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
@@ -122,13 +123,13 @@ mod tests {
     fn a_robot_lighter_than_its_wheels_of_construction_still_moves() {
         let model = Model::base(Robot::amigobot()).add("wheel_slip").unwrap();
         let mut p = model.initial();
-        (p[0], p[3], p[4]) = (0.02, 0.0, 0.0); // a1 below Iz1 = 0.025
+        (p[A1], p[A4], p[A5]) = (0.02, 0.0, 0.0); // a1 below Iz1 = 0.025
         let t: Vec<f64> = (0..101).map(|k| 0.01 * f64::from(k)).collect();
         let torque = vec![[0.2; 2]; 101];
         let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
         let found = simulate(&model, &p, &input, State::default()).unwrap()[100].omega[0];
         // momentum is kept: w exceeds push t/(a1 + a2) by the share of the slip speed, below 2 %
-        let rigid = 0.2 / (p[0] + p[1]);
+        let rigid = 0.2 / (p[A1] + p[A2]);
         assert!(found > rigid && found < 1.02 * rigid, "{found} {rigid}");
     }
 

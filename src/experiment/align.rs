@@ -291,6 +291,7 @@ mod tests {
     use super::*;
     use crate::experiment::{Reading, Unread, plan_of};
     use crate::model::Model;
+    use crate::model::base::A4;
     use crate::robot::{Robot, State};
     use crate::simulate::{Input, simulate};
 
@@ -301,9 +302,9 @@ mod tests {
         // a second of motion, then two of rest, in which a controller moves its command up and down below the friction
         let phase = |k: usize| (k % 300) as f64 * h;
         let command = |k: usize| match phase(k) {
-            t if t < 0.6 => 1.5 * p[3],
+            t if t < 0.6 => 1.5 * p[A4],
             t if t < 1.0 => 0.0,
-            t => 0.8 * p[3] * (std::f64::consts::TAU * (t + (k / 300) as f64 * 0.37)).sin(),
+            t => 0.8 * p[A4] * (std::f64::consts::TAU * (t + (k / 300) as f64 * 0.37)).sin(),
         };
         let noise = |k: usize| 0.002 * ((k * k) as f64).sin();
         let t: Vec<f64> = (0..3000).map(|k| h * f64::from(k)).collect();
@@ -319,7 +320,7 @@ mod tests {
         columns.extend((0..2).map(|i| named("M", i, &inputs[i])));
         let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
         let read = Unread::table(reading, "held", columns).read(Role::Train).unwrap();
-        assert!(rest_noise(&[&read.recording])[0].sigma > 0.1 * p[3]);
+        assert!(rest_noise(&[&read.recording])[0].sigma > 0.1 * p[A4]);
         let plan = plan_of("mine", &toml::Table::new(), vec![read], Some(Hold::Linear)).unwrap();
         assert_eq!(plan.recordings[0].recording.slow_input_noise()[0].sigma, 0.0);
     }

@@ -9,6 +9,7 @@ use super::error::{ExperimentError, Meaning, words};
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
+use crate::compare::WINDOW;
 use crate::effects;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
@@ -130,9 +131,9 @@ pub(super) fn candidates_are_known(ids: &[String], own: &[Own]) -> Result<(), Me
     ids.iter().try_for_each(|id| add(&base, id, own).map(drop).map_err(Meaning::from))
 }
 
-/// The model with a2 and a3 fixed at zero if every recording is of a single axis, mapped to both wheels: it does not turn, and
-/// a1 is its inertia. With two inertias of which only the sum is identifiable, the difference of the wheels, which no
-/// recording contains, would have an arbitrary time constant in simulations.
+/// The model with a2 and a3 fixed at zero if every recording is of a single axis, mapped to both wheels: it does not
+/// turn, and a1 is its inertia. With two inertias of which only the sum is identifiable, the difference of the wheels,
+/// which no recording contains, would have an arbitrary time constant in simulations.
 fn of_one_axis(model: Model, recordings: &[MeasuredRecording]) -> Model {
     let free = [A1, A2, A3].iter().all(|&j| model.parameters()[j].fixed.is_none());
     let single = |m: &MeasuredRecording| m.recording.is_single_axis();
@@ -166,12 +167,14 @@ pub(super) fn assembled(
     let twice = copies(&recordings).into_iter();
     let twice = twice.map(|(j, k)| Remark::Twice { name: name_of(k), other: name_of(j) });
     let proportions = proportions(&model, &recordings);
+    let short = short_windows(&recordings);
     let remarks = no_track
         .into_iter()
         .chain(proportions)
         .chain(opposed)
         .chain(without)
         .chain(twice)
+        .chain(short)
         .collect();
     let model = of_one_axis(model, &recordings);
     let mut plan = Plan {
@@ -202,6 +205,16 @@ pub(super) fn assembled(
     align::weigh(&mut plan, robot_is_built);
     align::align(&mut plan, &Asked { hold, settings: conditioning });
     plan
+}
+
+/// The remark on recordings that are shorter than the windows of the simulation error: those of validation, else all.
+fn short_windows(recordings: &[MeasuredRecording]) -> Option<Remark> {
+    let longest = |role: Role| {
+        let of = recordings.iter().filter(|m| m.role == role);
+        of.map(MeasuredRecording::duration).max_by(f64::total_cmp)
+    };
+    let longest_s = longest(Role::Validation).or_else(|| longest(Role::Train))?;
+    (longest_s < WINDOW).then_some(Remark::ShortWindows { longest_s })
 }
 
 /// The remark on the proportions of a robot that stands in for an unknown one, where the recordings do not determine those.
@@ -315,6 +328,21 @@ mod tests {
         let remarks = |names: &[&str]| plan(names).unwrap().remarks;
         assert!(matches!(remarks(&["train_1", "train_1"])[..], [Remark::Twice { .. }]));
         assert!(remarks(&["train_1"]).is_empty());
+    }
+
+    #[test]
+    fn windows_that_are_shorter_than_two_seconds_are_remarked() {
+        let recordings = recordings(&["train_1"], &["validation"]);
+        assert_eq!(short_windows(&recordings), None);
+        let short: Vec<MeasuredRecording> = recordings
+            .into_iter()
+            .map(|mut m| {
+                m.recording = m.recording.cut(0..101).unwrap(); // rows of 5 ms
+                m
+            })
+            .collect();
+        let remark = short_windows(&short).unwrap().to_string();
+        assert!(remark.contains("as long as its recording, 0.50 s at most"), "{remark}");
     }
 
     #[test]

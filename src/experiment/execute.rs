@@ -16,7 +16,7 @@ use super::resolve::resolve;
 use super::run::run_in_stages;
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::report::{not_determined, results, sentence};
+use crate::report::{not_determined, results, sentence, simulation_error};
 use crate::study::{Invocation, Judged, Study, Version};
 
 /// Result of an experiment.
@@ -316,7 +316,7 @@ fn verdict(study: &Study) -> String {
         return "no method has a fit".into();
     };
     let error = study.last_model().map_or(f64::NAN, |m| study.error_of(m));
-    let floor = study.judged_floor();
+    let (floor, named) = (study.judged_floor(), simulation_error(study));
     let judged = match Judged::of(&study.recordings).are_held_out() {
         true => "validation",
         false => "training: no validation recording is given",
@@ -328,7 +328,7 @@ fn verdict(study: &Study) -> String {
             let [before, after] = [first, last].map(|s| format!("{:.4}", s.window_rms_validation));
             let errors = if staircase.len() > 1 { format!("{before} to {after}") } else { after };
             format!(
-                "{} 2 s simulation error {errors} rad/s, noise floor {floor:.4} rad/s ({judged})",
+                "{} {named} {errors} rad/s, noise floor {floor:.4} rad/s ({judged})",
                 sentence(diagnosis)
             )
         }
@@ -336,7 +336,7 @@ fn verdict(study: &Study) -> String {
             let unknown =
                 study.undetermined().map_or(String::new(), |why| not_determined(why) + " ");
             format!(
-                "{unknown}2 s simulation error {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
+                "{unknown}{named} {error:.4} rad/s, noise floor {floor:.4} rad/s ({}, {judged})",
                 method.name
             )
         }

@@ -9,7 +9,7 @@ use self::kind::{Kind, split};
 use self::look::Looked;
 use super::error::ExperimentError;
 use super::file::hold_rows;
-use super::guess::{Written, file_text, guess, in_a_line};
+use super::guess::{Lengths, Written, file_text, guess, in_a_line, mark_varying};
 use super::unrepaired::limit;
 use crate::io::{IoError, parts, preview, stated_period, write_whole};
 use crate::study::shell_word;
@@ -57,16 +57,26 @@ pub(super) struct Draft {
 /// Recordings that cannot be read.
 pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, ExperimentError> {
     let recordings = with_parts(recordings)?;
-    let columns = preview(&recordings[0])?;
+    let mut columns = preview(&recordings[0])?;
     let mut guess = guess(&columns);
+    if !guess.has_input() && recordings.len() > 1 {
+        // an input may be constant in every recording and differ between them; one that cannot be read is refused below
+        recordings[1..]
+            .iter()
+            .flat_map(|r| preview(r))
+            .for_each(|r| mark_varying(&mut columns, &r));
+        guess = self::guess(&columns);
+    }
     let mut remarks = vec![];
     if let Some((period, comment)) = stated_period(&recordings[0])
-        && guess.take_period(period)
+        && guess.take_period(&columns, period)
     {
         remarks.push(in_a_line(&format!("`{comment}`: a row every {period} s")));
     }
     let Looked { recordings, kinds, words, notes, unread, corrected_rows } =
         Looked::at(&recordings, &mut guess)?;
+    let lengths = Lengths::of(&recordings, &guess);
+    let notes: Vec<String> = notes.into_iter().chain(lengths.words()).collect();
     let hold = (corrected_rows > hold_rows()).then(|| limit(corrected_rows));
     remarks.extend(words.iter().chain(&notes).cloned());
     let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
@@ -87,6 +97,7 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
         guess: &guess,
         remarks: &remarks,
         columns: &columns,
+        lengths: &lengths,
         hold,
     };
     let mut text = file_text(&written);

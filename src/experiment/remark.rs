@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::compare::WINDOW;
 use crate::recording::DriveUnit;
 
 /// A remark on a file or its recordings.
@@ -46,6 +47,11 @@ pub enum Remark {
         robot: String,
         /// Whether the recordings lack turns; otherwise they lack travel other than turns on the spot.
         straight: bool,
+    },
+    /// The recordings on which errors are judged are shorter than the windows of the simulation error.
+    ShortWindows {
+        /// Length of the longest \[s\].
+        longest_s: f64,
     },
     /// The wheels nearly always turn in opposite directions.
     Opposed {
@@ -122,6 +128,11 @@ impl fmt::Display for Remark {
                      Record {what}, or write the construction data"
                 )
             }
+            Self::ShortWindows { longest_s } => write!(
+                f,
+                "no recording on which errors are judged lasts {WINDOW} s: a simulation of the {WINDOW} s simulation error is as long as its \
+                 recording, {longest_s:.2} s at most"
+            ),
             Self::Opposed { share } => write!(
                 f,
                 "{} Then write scale = -1 in every column of that wheel",

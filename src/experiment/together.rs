@@ -97,8 +97,8 @@ pub(super) fn read_together(all: &[(Role, Unread)]) -> Result<Vec<MeasuredRecord
 }
 
 /// Recordings of one robot and logger that were read each by itself ([`Unread::read`]), as those of an experiment file
-/// are: what one of them shows of its encoders, its stamps or a lag of its speeds holds for all, for which some are read again,
-/// and short ones have the noise of the sensors of long ones.
+/// are: what one of them shows of its encoders, its stamps or a lag of its speeds holds for all, for which some are
+/// read again, and short ones have the noise of the sensors of long ones.
 ///
 /// # Errors
 /// What is wrong with one that is read again.

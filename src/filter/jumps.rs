@@ -31,8 +31,9 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
 }
 
-/// Log-likelihood of recordings under a model at `p`, at its most likely white noise of the input, if its changes happen at times
-/// in their rows that scatter by [`step_scatter`](super::PassSettings::step_scatter). `None` where it is not finite.
+/// Log-likelihood of recordings under a model at `p`, at its most likely white noise of the input, if its changes
+/// happen at times in their rows that scatter by [`step_scatter`](super::PassSettings::step_scatter). `None` where it
+/// is not finite.
 #[must_use]
 pub fn likelihood_of_steps(
     model: &Model,

@@ -63,7 +63,7 @@ pub struct Instant<'a> {
     pub input: [f64; 2],
 }
 
-/// Settings of a pass.
+/// Noise of a pass, and what it computes besides the likelihood.
 #[derive(Clone, Copy, Debug)]
 pub struct PassSettings {
     /// Process noise.
@@ -74,8 +74,8 @@ pub struct PassSettings {
     pub keep_innovations: bool,
     /// Whether the mean score due to noise of the input is computed; requires derivatives.
     pub input_noise: bool,
-    /// Standard deviation of the time at which the input changes in its row, relative to that of a uniformly distributed one;
-    /// 0 for changes at the rows.
+    /// Standard deviation of the time at which the input changes in its row, relative to that of a uniformly
+    /// distributed one; 0 for changes at the rows.
     pub step_scatter: f64,
 }
 

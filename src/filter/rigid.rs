@@ -31,8 +31,8 @@ pub(super) struct Rigid<'a> {
     earlier: Vec<(Push, Vec<[f64; 2]>)>,
     /// Parts that are not solved yet.
     remaining: usize,
-    /// Fastest rate at which torques change the speeds that they depend on, at the last part [1/s]; none before the first and
-    /// where both wheels rest.
+    /// Fastest rate at which torques change the speeds that they depend on, at the last part [1/s]; none before the
+    /// first and where both wheels rest.
     rate: Option<f64>,
 }
 

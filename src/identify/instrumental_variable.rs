@@ -47,7 +47,8 @@ impl Default for InstrumentalVariable {
 }
 
 const NAME: &str = "instrumental_variable";
-/// Noise let into the acceleration, as a share of its rms: attenuation is accounted for, noise that reaches the simulation is not.
+/// Noise let into the acceleration, as a share of its rms: attenuation is accounted for, noise that reaches the
+/// simulation is not.
 const NOISE_SHARE: f64 = 0.06;
 /// A change by this share of the standard errors is the last.
 const SETTLED: f64 = 0.01;

@@ -149,7 +149,8 @@ impl OutputError {
     }
 }
 
-/// Whether the gradient at a minimum is not larger than sampling makes it, by the gradients of blocks: g' H⁻¹ g <= Σ s_b' H⁻¹ s_b.
+/// Whether the gradient at a minimum is not larger than sampling makes it, by the gradients of blocks: g' H⁻¹ g <= Σ
+/// s_b' H⁻¹ s_b.
 fn is_sampling(minimum: &Minimum, scores: &DMatrix<f64>) -> bool {
     let information = Information::new(&minimum.hessian);
     information.statistic(&minimum.gradient) <= statistics(&information, scores)

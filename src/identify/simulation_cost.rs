@@ -238,8 +238,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// [`Quadratic::scatter`] with the gradients of blocks, one per row. Far from the minimum the blocks share a mean, and it is at
-/// most twice the expected decrease of the cost.
+/// [`Quadratic::scatter`] with the gradients of blocks, one per row. Far from the minimum the blocks share a mean, and
+/// it is at most twice the expected decrease of the cost.
 fn scatter(hessian: &DMatrix<f64>, scores: &DMatrix<f64>) -> f64 {
     statistics(&Information::new(hessian), scores) / hessian.nrows() as f64
 }

@@ -12,7 +12,7 @@ use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
 use crate::math::filter::{Extension, Section, butterworth, filter_both_ways, filter_within};
 use crate::model::Model;
-use crate::recording::{Noise, Recording};
+use crate::recording::{Noise, Recording, differentiate};
 
 /// Near rest: below this share of the top speed, or three standard deviations of the filtered
 /// speed's noise.
@@ -257,25 +257,21 @@ impl Stretch<'_> {
         // the torques are filtered as often as the accelerations
         let input = even(&lanes(&self.input[rows.clone()]));
         let speeds = lanes(&self.omega[rows.clone()]);
-        let omega = filter_both_ways(&sections, &speeds, edge, Extension::Odd);
+        let omega: Vec<[f64; 2]> = filter_both_ways(&sections, &speeds, edge, Extension::Odd)
+            .iter()
+            .map(|w| [w.as_array()[0], w.as_array()[1]])
+            .collect();
+        let acceleration = differentiate(t, &omega, std::slice::from_ref(&(0..t.len())), 1);
         let width = out.width;
         // with room for what the filter adds before and after
         let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; out.groups.len()];
         let mut balance = Balance::default();
         for k in 0..t.len() {
-            let w = omega[k].as_array();
-            let motion = Motion::at(
-                t[k] - self.start,
-                self.alpha[rows.start + k],
-                [w[0], w[1]],
-                model.robot(),
-            );
+            let (since, alpha) = (t[k] - self.start, self.alpha[rows.start + k]);
+            let motion = Motion::at(since, alpha, omega[k], model.robot());
             regressor.write(&motion, &mut balance);
-            let (before, after) = (k.saturating_sub(1), (k + 1).min(t.len() - 1));
-            let slope = (omega[after] - omega[before]) * (1.0 / (t[after] - t[before]));
-            let a = [slope.as_array()[0], slope.as_array()[1]];
             for c in 0..=width {
-                let torque = balance.total_torque(c, &a);
+                let torque = balance.total_torque(c, &acceleration[k]);
                 for wheel in 0..2 {
                     let place = wheel * (width + 1) + c;
                     groups[place / 4][edge + k].as_mut_array()[place % 4] = if c < width {

@@ -74,8 +74,8 @@ impl<'a> Excited<'a> {
         Ok(fit)
     }
 
-    /// A fit to the task with its parameters marked as not identifiable where the unknown input between the rows or an input of
-    /// one size may explain them, and with a note on frictions that would drive the robot.
+    /// A fit to the task with its parameters marked as not identifiable where the unknown input between the rows or an
+    /// input of one size may explain them, and with a note on frictions that would drive the robot.
     #[must_use]
     pub fn qualified(&self, fit: Fit) -> Fit {
         let Task { model, train, hold, .. } = self.task;
@@ -97,8 +97,8 @@ impl<'a> Excited<'a> {
     }
 }
 
-/// The model of a task with the parameters fixed that its movement does not excite, and a start: what the time of the input is
-/// determined with, before it is known whether the data determine them nevertheless.
+/// The model of a task with the parameters fixed that its movement does not excite, and a start: what the time of the
+/// input is determined with, before it is known whether the data determine them nevertheless.
 pub(crate) fn excited_start(task: &Task) -> Option<(Model, Vec<f64>)> {
     let (Unexcited { model, .. }, _) = Unexcited::held(task)?;
     let p = start(&Task { model: &model, ..*task }, "start").ok()?;
@@ -188,8 +188,8 @@ fn proportions(model: &Model, places: &[usize]) -> Note {
     Note::Proportions { symbols, robot, assumed }
 }
 
-/// Whether a regression of torques with the free parameters of a task simulates held-out pieces significantly better than one with
-/// those of one of `others`.
+/// Whether a regression of torques with the free parameters of a task simulates held-out pieces significantly better
+/// than one with those of one of `others`.
 fn determines(task: &Task, others: &[Model]) -> bool {
     let recordings: Vec<&Recording> = task.train.iter().collect();
     let open = OpenLoop { train: task.train, hold: task.hold, pieces: pieces(&recordings) };

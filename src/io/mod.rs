@@ -44,7 +44,7 @@ pub use preview::{PreviewColumn, preview};
 pub use rate::stated_period;
 pub use recording::{
     Headers, RawChannels, headers, part_of_second, parts, read_channels, read_recording,
-    unknown_unit,
+    stated_radius, unknown_unit, without_port,
 };
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};

@@ -17,6 +17,8 @@ pub struct PreviewColumn {
     pub words: Vec<String>,
     /// The first cells of a text column without numbers.
     pub texts: Vec<String>,
+    /// Whether it holds one value in this recording and another one in a recording beside it.
+    pub varies: bool,
 }
 
 /// All columns of a file with their values.
@@ -35,6 +37,7 @@ pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
         values: c.values,
         words: c.words,
         texts: c.texts,
+        ..PreviewColumn::default()
     };
     Ok(match headers.source {
         Source::Text(layout) => {

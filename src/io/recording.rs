@@ -18,7 +18,7 @@ use self::direction::SIGNS;
 pub(super) use self::direction::read_words;
 pub use self::fraction::part_of_second;
 use self::header::bare;
-pub use self::header::unknown_unit;
+pub use self::header::{unknown_unit, without_port};
 use self::headers::headers_of;
 pub use self::headers::{Headers, headers};
 pub(super) use self::headers::{Source, parted};
@@ -113,6 +113,13 @@ pub fn parts(path: &Path) -> Result<Vec<String>, IoError> {
         Format::SysId if text_log::json(path)?.is_none() => sysid::tests(path),
         _ => Ok(vec![]),
     }
+}
+
+/// The radius of the wheels \[m\] that a file states (SysId: by the way of a turn), with the text of its statement.
+#[must_use]
+pub fn stated_radius(path: &Path) -> Option<(f64, String)> {
+    let (path, _) = parted(path);
+    matches!(Format::of(path), Ok(Format::SysId)).then(|| sysid::radius(path))?
 }
 
 /// The names in the file, each once.

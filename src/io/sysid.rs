@@ -54,6 +54,21 @@ pub(super) fn tests(path: &Path) -> Result<Vec<String>, IoError> {
     Ok(names(&object(path)?))
 }
 
+/// The radius of the wheels \[m\] by the way of a turn that the file states, with the text of that.
+pub(super) fn radius(path: &Path) -> Option<(f64, String)> {
+    let object = object(path).ok()?;
+    let unit = object.get("units")?.as_str()?;
+    let metres = match unit.to_lowercase().as_str() {
+        "meters" => 1.0,
+        "feet" => 0.3048,
+        "inches" => 0.0254,
+        _ => return None,
+    };
+    let turn = object.get("unitsPerRotation")?.as_f64().filter(|turn| *turn > 0.0)?;
+    let text = format!("unitsPerRotation = {turn} {}, the way of a turn,", unit.to_lowercase());
+    Some((turn * metres / std::f64::consts::TAU, text))
+}
+
 fn names(object: &Map<String, Value>) -> Vec<String> {
     let rows = |value: &Value| value.as_array().is_some_and(|rows| !rows.is_empty());
     object.iter().filter(|(_, value)| rows(value)).map(|(name, _)| name.clone()).collect()

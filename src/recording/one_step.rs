@@ -87,6 +87,7 @@ fn pairs(recording: &Recording) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::model::Model;
+    use crate::model::base::{A1, A2, COUNT};
     use crate::recording::{Channels, DriveUnit};
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, simulate};
@@ -98,7 +99,7 @@ mod tests {
         let model = Model::base(Robot::amigobot()).add("back_emf").unwrap();
         let mut p = model.initial();
         // a time constant of 150 ms, recorded at 10 Hz, with steps every second
-        p[5] = (p[0] + p[1]) / 0.15;
+        p[COUNT] = (p[A1] + p[A2]) / 0.15;
         let t: Vec<f64> = (0..600).map(|k| 0.1 * f64::from(k)).collect();
         let level = |k: usize| 0.4 + 1.5 * ((k / 10 * 7919) % 13) as f64 / 13.0;
         let torque: Vec<[f64; 2]> = (0..t.len()).map(|k| [level(k), level(k + 40)]).collect();
@@ -119,7 +120,7 @@ mod tests {
         // fourth differences take the steps in every tenth row for noise of about 1 V; that which the speeds do not follow
         // would move them by less than the residual, with a gain of (1 - φ)/k_e for φ = exp(-0.1/0.15)
         let remains = (-0.1_f64 / 0.15).exp();
-        let limit = 0.05 * (1.0 + remains * remains).sqrt() * p[5] / (1.0 - remains);
+        let limit = 0.05 * (1.0 + remains * remains).sqrt() * p[COUNT] / (1.0 - remains);
         for noise in recording.input_jumps() {
             assert!(noise < 1.1 * limit, "{noise} {limit}");
         }

@@ -34,3 +34,4 @@ pub use results::{SCHEMA, results};
 pub use section::Section;
 pub(crate) use verdict::title;
 pub use verdict::{evidence, not_determined, recommendation, sentence};
+pub use words::simulation_error;

@@ -75,7 +75,8 @@ pub(super) struct Carry<'a> {
 /// The same if something depends on the angles.
 pub(super) struct Turn<'a>(pub(super) Carry<'a>);
 
-/// An instant at which a node of sliding wheels is solved: the quantities, and the share of the sample at which the input acts.
+/// An instant at which a node of sliding wheels is solved: the quantities, and the share of the sample at which the
+/// input acts.
 pub(super) type Solved = (Quantities, f64);
 
 /// The same as [`Carry`] after the nodes of sliding wheels are solved: at the start, unless its node is known, in the middle

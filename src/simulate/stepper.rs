@@ -14,15 +14,15 @@ use crate::robot::State;
 /// Longest internal step \[s\]; the input is smooth between samples, so this only limits the truncation error
 /// of Runge-Kutta for slow recordings.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest product of internal step and fastest rate of the model that is accurate (the error of a step of Runge-Kutta 4 is 2.6e-4
-/// of the distance from the equilibrium), and stable with a margin (limit of Runge-Kutta 4: 2.8).
+/// Largest product of internal step and fastest rate of the model that is accurate (the error of a step of Runge-Kutta
+/// 4 is 2.6e-4 of the distance from the equilibrium), and stable with a margin (limit of Runge-Kutta 4: 2.8).
 const STIFF: f64 = 0.5;
 const STABLE: f64 = 1.5;
 /// Number of accurate steps per row above which the model is faster than the rows can resolve: its
 /// transients decay between two rows, and the steps need only be stable.
 const RESOLVED: f64 = 10.0;
-/// Largest number of steps per row for torques that depend on the speed: parameters with a time constant below 1/150 of a row are far from those
-/// of a robot that these rows describe, and their simulation diverges.
+/// Largest number of steps per row for torques that depend on the speed: parameters with a time constant below 1/150 of
+/// a row are far from those of a robot that these rows describe, and their simulation diverges.
 const MOST_STEPS: f64 = 100.0;
 /// Factor of the speed after which the rate of torques that depend on it is computed anew.
 const FASTER: f64 = 4.0;

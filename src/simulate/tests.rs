@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::Model;
-use crate::model::base::{A1, A2, A4};
+use crate::model::base::{A1, A2, A4, COUNT};
 use crate::robot::{Robot, State};
 
 fn time(n: usize, step: f64) -> Vec<f64> {
@@ -46,7 +46,7 @@ fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
     let input = Input { t: &t, torque: &torque, hold: Hold::Constant };
     for per_row in [1.0_f64, 2.0, 5.0, 20.0] {
         let k = per_row / row * inertia;
-        p[5] = k;
+        p[COUNT] = k;
         let motion = simulate(&model, &p, &input, State::default()).unwrap();
         let decay = (-per_row).exp();
         let (mut omega, mut worst) = (0.0, 0.0_f64);
@@ -55,8 +55,8 @@ fn a_motor_faster_than_the_rows_follows_the_exact_exponential() {
             omega = rest + (omega - rest) * decay;
             worst = worst.max((next.omega[0] - omega).abs() * k);
         }
-        // the distance from the equilibrium is at most 1 N m/k: the error of a step is 2.6e-4 of it, less what decays since; beyond ten
-        // steps per row by what is left of it
+        // the distance from the equilibrium is at most 1 N m/k: the error of a step is 2.6e-4 of it, less what decays
+        // since; beyond ten steps per row by what is left of it
         assert!(worst < 5e-4, "{per_row}: {worst}");
     }
 }

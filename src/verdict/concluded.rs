@@ -41,8 +41,8 @@ pub(super) struct Concluded<'a> {
 }
 
 impl<'a> Concluded<'a> {
-    /// Conclusion from a diagnosis with the `curves` of its residual torque; `floor`: that of the judged recordings under the last model, if already
-    /// known.
+    /// Conclusion from a diagnosis with the `curves` of its residual torque; `floor`: that of the judged recordings
+    /// under the last model, if already known.
     pub(super) fn of(
         (diagnosis, curves): (&'a Diagnosis, &[Curve]),
         basis: &'a Basis,

@@ -28,6 +28,7 @@ mod page;
 mod prose;
 mod quoted;
 mod recordings;
+mod robot_logs;
 mod shards;
 mod stated_logs;
 mod stray_logs;

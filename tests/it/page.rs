@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 use amigo_ident::compare::{ise, simulate_recording, window_rms};
 use amigo_ident::io::{ColumnMap, read_recording};
 use amigo_ident::model::Model;
+use amigo_ident::model::base::A4;
 use amigo_ident::recording::DriveUnit;
 use amigo_ident::robot::Robot;
 use amigo_ident::simulate::{Hold, PhysicalDynamics};
@@ -204,7 +205,7 @@ fn by_the_program(folder: &Folder, change: f64) -> [f64; 2] {
     let reports = folder.results("reports/scrub");
     let estimates = reports["methods"][0]["parameters"].as_array().unwrap();
     let mut p: Vec<f64> = estimates.iter().map(|e| e["value"].as_f64().unwrap()).collect();
-    p[3] *= change;
+    p[A4] *= change;
     let model = Model::base(Robot::amigobot());
     let unit = DriveUnit::NewtonMetre;
     let file = folder.path("reports/scrub/simulated_validation_1.csv");

@@ -23,6 +23,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
                 Kind::TimeRows { rows: whole(rows), first: whole(first) }
             }
             Self::Jitter { share } => Kind::Jitter { share: real(share) },
+            Self::NewestFirst { rows } => Kind::NewestFirst { rows: whole(rows) },
             Self::ClockWrap { count, row, period_s } => {
                 Kind::ClockWrap { count: whole(count), row: whole(row), period_s: real(period_s) }
             }

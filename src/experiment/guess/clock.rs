@@ -10,12 +10,14 @@ use crate::math::mean;
 const HALF: f64 = 0.5;
 /// Part of the steps of whole seconds at which their fraction falls back: others are gaps in the log.
 const FALLS: f64 = 0.9;
+/// Larger values are those of a calendar \[s\]: the year 2001.
+const CALENDAR: f64 = 1e9;
 /// Words that denote a position rather than the time if the name has no others.
 const PLACES: [&str; 8] = ["x", "y", "z", "pos", "position", "dist", "distance", "odom"];
 
 /// The time: the best name whose values increase, else two columns that are seconds and a part of a second, else the
-/// sum of the steps between the rows, else the column that always increases, with the most even steps. A column that counts
-/// the rows is not their time; a name that may be a position is asked about.
+/// sum of the steps between the rows, else the column that always increases, with the most even steps, else the counter of a
+/// timer. A column that counts the rows is not their time; a name that may be a position is asked about.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
     let parted = seconds_and_part(all);
     let is_part = |one: &Guessed| {
@@ -28,6 +30,7 @@ pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
         .or(parted)
         .or_else(|| steps(all))
         .or_else(|| rising(all))
+        .or_else(|| timer(all))
 }
 
 fn guessed(c: &Candidate) -> Guessed {
@@ -63,7 +66,14 @@ fn named(all: &[Candidate]) -> Option<Guessed> {
         .or_else(|| named.first().copied())?;
     let nanoseconds = stamped.and_then(|c| of_stamp(c)).map(|c| c.column.name.clone());
     let out = Guessed { nanoseconds, ..guessed(best) };
-    Some(if falls(&best.column.values) { counted_down(out) } else { out })
+    if !falls(&best.column.values) {
+        return Some(out);
+    }
+    // stamps of a calendar never count down
+    let is_calendar = best.column.values.iter().any(|v| *v > CALENDAR);
+    let newest =
+        Guessed { evidence: vec!["it falls: the newest row is first".into()], ..out.clone() };
+    Some(if is_calendar { newest } else { counted_down(out) })
 }
 
 /// Whether values decrease and never increase.
@@ -137,17 +147,39 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
     }
 }
 
+/// Variation of the steps of a timer, as a share of their mean, below which they are even.
+const EVEN: f64 = 0.1;
+
+/// Ticks of no wheel that increase in even steps: those of a timer, of unknown length. The counts of a wheel vary with its
+/// speed.
+fn timer(all: &[Candidate]) -> Option<Guessed> {
+    let is_one = |c: &&Candidate| {
+        let values = &c.column.values;
+        let rows = values.len().max(2) as f64 - 1.0;
+        c.named.unit == Some("ticks")
+            && c.named.side.is_none()
+            && whole(values)
+            && variation(values).is_some_and(|square| square < rows * EVEN * EVEN)
+    };
+    let mut found = all.iter().filter(is_one);
+    let one = found.next().filter(|_| found.next().is_none())?;
+    let why = "it increases in even steps: the counter of a timer".into();
+    Some(Guessed { unit: None, scale_open: true, evidence: vec![why], ..guessed(one) })
+}
+
 /// The column that increases in every row, by steps with the smallest deviation relative to their mean: counts of a wheel
 /// repeat or vary with its speed.
 fn most_even<'a, 'b>(all: &[&'a Candidate<'b>]) -> Option<&'a Candidate<'b>> {
-    let variation = |c: &Candidate| {
-        let steps: Vec<f64> = c.column.values.windows(2).map(|w| w[1] - w[0]).collect();
-        let mean = mean(steps.iter().copied());
-        let square = steps.iter().map(|h| (h / mean - 1.0).powi(2)).sum::<f64>();
-        steps.iter().all(|h| *h > 0.0).then_some(square)
-    };
-    let strict = all.iter().filter_map(|c| Some((variation(c)?, *c)));
+    let strict = all.iter().filter_map(|c| Some((variation(&c.column.values)?, *c)));
     strict.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, c)| c)
+}
+
+/// Sum of the squared deviations of the steps from their mean, relative to it; `None` if the values do not always increase.
+fn variation(values: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let mean = mean(steps.iter().copied());
+    let square = steps.iter().map(|h| (h / mean - 1.0).powi(2)).sum::<f64>();
+    steps.iter().all(|h| *h > 0.0).then_some(square)
 }
 
 /// Whether a column increases by exactly 1 from row to row.

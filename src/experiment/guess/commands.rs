@@ -5,6 +5,7 @@ use super::centred;
 use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
+use super::plain_inputs::is_command;
 use super::values::{largest, values_of, whole};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -75,6 +76,11 @@ pub(super) fn apply(
         return;
     }
     inputs.iter_mut().for_each(|one| one.is_share = true);
+    if is_command(&named(&inputs[0].name)) {
+        let why =
+            "whole numbers that the speeds do not follow: a PWM, and no set-point of the speed";
+        inputs[0].evidence.push(why.into());
+    }
     let range = Range::taken(columns, &mut inputs);
     let name = inputs[0].name.clone();
     let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
@@ -98,7 +104,8 @@ pub(super) fn apply(
 fn are_commands(inputs: &[&mut Guessed]) -> bool {
     let is_command = |one: &&mut Guessed| {
         let is_named = has_one(&SHARES, &one.name) || has_one(&PERHAPS, &one.name);
-        one.unit.is_none() && (is_named || is_output(&named(&one.name)))
+        let name = named(&one.name);
+        one.unit.is_none() && (is_named || is_output(&name) || is_command(&name))
     };
     let is_volt = |one: &&mut Guessed| is_volt(&one.name);
     !inputs.is_empty() && inputs.iter().all(is_command) && !inputs.iter().any(is_volt)
@@ -131,7 +138,7 @@ impl Range {
             return Self { is_pulse, rest: Some(centre), top: centre, full: centre };
         }
         let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
-        let full = full_scale(top, &inputs[0].name.to_lowercase());
+        let full = full_scale(top, &inputs[0].name);
         Self { is_pulse, rest: None, top, full }
     }
 
@@ -244,10 +251,12 @@ pub(super) fn is_percent(name: &str) -> bool {
 
 /// The smallest full scale of controllers that contains the value; for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
-    if (is_percent(name) || name.contains('%')) && top <= 100.0 {
+    let lower = name.to_lowercase();
+    if (is_percent(&lower) || name.contains('%')) && top <= 100.0 {
         return 100.0;
     }
-    if name.contains("pwm") && top > 1.0 && top <= PWM {
+    let is_pwm = lower.contains("pwm") && top > 1.0;
+    if (is_pwm || is_command(&named(name))) && top <= PWM {
         return PWM;
     }
     FULL.into_iter().find(|full| top <= 1.001 * full).unwrap_or(top)

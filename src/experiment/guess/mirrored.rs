@@ -1,6 +1,7 @@
 //! A wheel with the opposite sign, because its motor is mounted mirrored.
 
 use super::guessed::{Guess, Guessed};
+use super::heading::{Turned, turned};
 use crate::experiment::remark::{Remark, mirrored_question};
 use crate::experiment::remarks::opposed;
 use crate::io::PreviewColumn;
@@ -45,19 +46,20 @@ pub(super) fn apply(columns: &[PreviewColumn], guess: &mut Guess) {
     }
     let (input1, input2) = (of(guess, "M1").map(|x| x.1), of(guess, "M2").map(|x| x.1));
     let drives = |m: &Option<Vec<f64>>, w: &[f64]| m.as_ref().is_none_or(|m| work(m, w) > 0.0);
-    if let Some(turning) = columns.iter().find(|c| is_turning(&c.name)) {
+    if let Some(turning) = turning(columns, guess, [&w1, &w2]) {
+        let [right, left] = &turning.wheels;
         let by = |sign: f64| {
-            let sum: Vec<f64> = w1.iter().zip(&w2).map(|(a, b)| a + sign * b).collect();
-            let pairs = turning.values.iter().copied().zip(sum);
+            let sum: Vec<f64> = right.iter().zip(left).map(|(a, b)| a + sign * b).collect();
+            let pairs = turning.heading.iter().copied().zip(sum);
             correlation(pairs.filter(|(a, b)| a.is_finite() && b.is_finite()))
         };
         let (difference, sum) = (by(-1.0), by(1.0));
-        if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER && is_no_veer(&w1, &w2) {
+        if sum.abs() > SHOWN && sum.abs() > difference.abs() + CLEARER && is_no_veer(right, left) {
             // counter-clockwise is positive: the right wheel ahead of the left one
             let wheel = if sum > 0.0 { '2' } else { '1' };
             let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
             let why = format!(
-                "mirrored: `{}` is proportional to the sum of the speeds, not to their difference",
+                "mirrored: `{}` changes in proportion to the sum of the wheels' motions, not to their difference",
                 turning.name
             );
             turn(guess, wheel, drives(input, speed), &why);
@@ -86,6 +88,16 @@ pub(super) fn apply(columns: &[PreviewColumn], guess: &mut Guess) {
         mirrored_question(share),
         scales.join(", ")
     ));
+}
+
+/// The turning of the robot beside the motions of its wheels: the heading beside their angles, which quantisation and
+/// vibration do not hide, else the turn rate beside their speeds.
+fn turning(columns: &[PreviewColumn], guess: &Guess, speeds: [&[f64]; 2]) -> Option<Turned> {
+    turned(columns, guess, true).or_else(|| {
+        let rate = columns.iter().find(|c| is_turning(&c.name))?;
+        let (name, heading) = (rate.name.clone(), rate.values.clone());
+        Some(Turned { name, heading, wheels: speeds.map(<[f64]>::to_vec), in_metres: false })
+    })
 }
 
 /// Whether the speeds as logged differ by more than those of a robot that drives straight ahead. Such a robot veers

@@ -9,15 +9,19 @@ mod counts;
 mod directions;
 mod electrical;
 mod guessed;
+mod heading;
 mod increments;
 mod labels;
+mod lengths;
 mod mirrored;
 mod model_key;
 mod motors;
 mod names;
+mod newest;
 mod numbers;
 mod open_inputs;
 mod pairs;
+mod plain_inputs;
 mod ranges;
 mod relations;
 mod samples;
@@ -33,8 +37,10 @@ mod values;
 
 use self::guessed::Candidate;
 pub(super) use self::guessed::{About, Guess, Guessed, Question};
+pub(super) use self::lengths::Lengths;
 use self::names::{Quantity, named};
 use self::pairs::Pairs;
+pub(super) use self::samples::mark_varying;
 pub(super) use self::text::{Written, assumed_unit, assumed_units, file_text, in_a_line};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -56,6 +62,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     out.columns.extend(clock::time(&all));
     out.ask_all(ranges::apply(&mut all, &out));
     out.ask_all(beside::apply(&mut all));
+    out.ask_all(plain_inputs::apply(&mut all));
     let owners = labels::owners(columns);
     // a column without a number is none
     all.retain(|c| c.column.values.iter().any(|v| v.is_finite()));
@@ -83,6 +90,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     complete(&all, columns, &mut out);
     directions.give(columns, &mut out);
     signs::bounce(columns, &mut out);
+    newest::apply(columns, &mut out);
     mirrored::apply(columns, &mut out);
     if !are_several {
         out.ask_all(relations::hints(columns, &out));

@@ -19,7 +19,7 @@ use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity,
 pub(super) use self::words::{
     MEASURED, WISHED, is_distance, is_place, leaves_angle_open, leaves_speed_open,
 };
-use crate::io::{WheelSide, side, words};
+use crate::io::{WheelSide, side, without_port, words};
 
 /// The interpretation of a name.
 pub(super) fn named(name: &str) -> Named {
@@ -31,6 +31,7 @@ pub(in crate::experiment::guess) fn named_with(
     name: &str,
     exchanged: &dyn Fn(String) -> String,
 ) -> Named {
+    let (name, port) = without_port(name);
     let (times, name) = multiplied(name);
     let (bare, bracket) = split_unit(name);
     let (front, bare) = unit_in_front(bare);
@@ -41,6 +42,7 @@ pub(in crate::experiment::guess) fn named_with(
     if words.len() > 1 && words.last().is_some_and(|w| w == "data") {
         words.pop();
     }
+    words.extend(port.map(str::to_owned));
     let prefix = take_prefix(bare, &mut words);
     let Measure { unit: mut ending, scale, plain, in_brackets } =
         Measure::taken(&mut words, times, bracket, front);
@@ -292,6 +294,11 @@ mod tests {
             ("speed_l_kmh", Some(Speed), Some(Left), Some("km/h")),
             ("cnt_l", Some(Angle), Some(Left), None),
             ("rot_r", Some(Angle), Some(Right), None),
+            ("시간(초)", Some(Time), None, Some("s")),
+            ("时间(毫秒)", Some(Time), None, Some("ms")),
+            ("左轮转速(转/分)", Some(Speed), Some(Left), Some("rpm")),
+            ("Left Velocity (ft/s)", Some(Speed), Some(Left), Some("ft/s")),
+            ("leftPositionInches", Some(Angle), Some(Left), Some("in")),
             ("tick_ms", Some(Time), None, Some("ms")),
             ("HAL_tick", Some(Time), None, None),
             ("tick_l", Some(Angle), Some(Left), Some("ticks")),
@@ -328,6 +335,8 @@ mod tests {
             ("left.halfturns", Some(Angle), Some(Left), Some("rev")),
             ("amps_l", Some(Current), Some(Left), Some("A")),
             ("out.wl.Data", Some(Speed), Some(Left), None),
+            ("Right Wheel/Speed (rpm):1", Some(Speed), Some(Right), Some("rpm")),
+            ("Speed (rpm):2", Some(Speed), Some(Numbered(2)), Some("rpm")),
             ("logsout.signals.values.ir", Some(Current), Some(Right), None),
         ];
         for (name, quantity, side, unit) in cases {

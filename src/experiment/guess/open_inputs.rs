@@ -3,7 +3,7 @@
 use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::{Named, Quantity, Side, named};
-use super::values::{is_constant, largest};
+use super::values::{largest, never_varies};
 use super::{ANGLES, SPEEDS};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
@@ -36,7 +36,7 @@ pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<Strin
     let is_used = |c: &PreviewColumn| guess.columns.iter().any(|g: &Guessed| g.name == c.name);
     let open: Vec<(&PreviewColumn, Named)> = columns
         .iter()
-        .filter(|c| !is_used(c) && !is_constant(&c.values))
+        .filter(|c| !is_used(c) && !never_varies(c))
         .map(|c| (c, named(&c.name)))
         .filter(|(_, name)| !name.foreign)
         .collect();

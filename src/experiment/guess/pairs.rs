@@ -250,7 +250,9 @@ pub(super) fn one(
 
 /// A column as this quantity of the program, with the unit and the factor of its name.
 fn of(c: &Candidate, key: &'static str) -> Guessed {
-    let unit = c.named.unit.filter(|u| fits(key, u)).map(Into::into);
+    // a factor is read with its unit, also with that of the program
+    let is_scaled = c.named.scale.is_some();
+    let unit = c.named.unit.filter(|u| fits(key, u) || is_scaled).map(Into::into);
     let (scale, per_row) = (c.named.scale, c.named.per_row);
     Guessed { key, name: c.column.name.clone(), unit, scale, per_row, ..Guessed::default() }
 }

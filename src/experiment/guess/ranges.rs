@@ -7,8 +7,8 @@ use super::relations::is_slope;
 /// Share of the range of a path within which it starts at zero.
 const START: f64 = 0.01;
 
-/// Removes the quantity of distances that no wheel has covered, and asks where no speed shows it: a path is the integral of the speed of
-/// its wheel, and starts at zero or becomes negative; a distance to an obstacle does neither.
+/// Removes the quantity of distances that no wheel has covered, and asks where no speed shows it: a path is the
+/// integral of the speed of its wheel, and starts at zero or becomes negative; a distance to an obstacle does neither.
 pub(super) fn apply(all: &mut [Candidate], guess: &Guess) -> Option<String> {
     let found: Vec<usize> = (0..all.len()).filter(|k| is_one(&all[*k])).collect();
     let time = guess.columns.first().filter(|c| c.key == "t").map(|c| c.name.clone());

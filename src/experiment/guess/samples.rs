@@ -1,6 +1,10 @@
 //! The values of a column: their range and their kind.
 
 use crate::io::PreviewColumn;
+use crate::math::quantile;
+
+/// Share of the rows that stay below the top of a signal; isolated wrong samples and the wraps of a counter are above.
+const NEARLY_ALL: f64 = 0.98;
 
 /// The values of a column; none where no column has that name.
 pub(super) fn values_of<'a>(columns: &'a [PreviewColumn], name: &str) -> &'a [f64] {
@@ -18,6 +22,22 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     held.all(|v| Some(v) == first)
 }
 
+/// Whether a column holds one value and no other, in all recordings.
+pub(super) fn never_varies(column: &PreviewColumn) -> bool {
+    !column.varies && is_constant(&column.values)
+}
+
+/// Marks the columns that hold one value in the first recording, and another one in that with the columns `others`.
+pub(in crate::experiment) fn mark_varying(columns: &mut [PreviewColumn], others: &[PreviewColumn]) {
+    let first = |values: &[f64]| values.iter().copied().find(|v| v.is_finite());
+    for column in columns.iter_mut().filter(|c| is_constant(&c.values)) {
+        let other = others.iter().find(|c| c.name == column.name);
+        column.varies |= other.is_some_and(|other| {
+            !is_constant(&other.values) || first(&other.values) != first(&column.values)
+        });
+    }
+}
+
 /// Whether a column increases in nearly all rows.
 pub(super) fn increases(values: &[f64]) -> bool {
     let up = values.windows(2).filter(|w| w[1] > w[0]).count();
@@ -32,6 +52,11 @@ pub(super) fn extent(values: &[f64]) -> (f64, f64) {
 
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()))
+}
+
+/// The magnitude that nearly all values stay below.
+pub(super) fn top_of(values: &[f64]) -> f64 {
+    quantile(values.iter().map(|v| v.abs()).filter(|v| v.is_finite()), NEARLY_ALL)
 }
 
 pub(super) fn whole(values: &[f64]) -> bool {

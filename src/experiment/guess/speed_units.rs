@@ -5,9 +5,8 @@ use std::f64::consts::{PI, TAU};
 use super::guessed::{Guess, Guessed};
 use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, named};
 use super::times::seconds;
-use super::values::values_of;
+use super::values::{top_of, values_of};
 use crate::io::PreviewColumn;
-use crate::math::quantile;
 
 /// Wheel speed above which a number is more likely in rpm [rad/s].
 const FAST: f64 = 120.0;
@@ -17,14 +16,6 @@ const RADIUS: f64 = 0.05;
 const ALIKE: f64 = 0.1;
 /// Factor within which a speed follows its set-point.
 const SIMILAR: f64 = 2.0;
-
-/// Share of the rows that stay below the top of a signal; isolated wrong samples and the wraps of a counter are above.
-const NEARLY_ALL: f64 = 0.98;
-
-/// The magnitude that nearly all values stay below.
-fn top_of(values: &[f64]) -> f64 {
-    quantile(values.iter().map(|v| v.abs()).filter(|v| v.is_finite()), NEARLY_ALL)
-}
 
 /// Whether a speed is in a unit that is not stated and is not an SI unit.
 pub(super) fn is_unknown(values: &[f64], one: &Guessed) -> bool {

@@ -159,6 +159,7 @@ fn what_is_missing_is_asked_with_what_is_open() {
     assert_eq!(g.questions.len(), 1, "{:?}", g.questions);
     let recordings = [("a.csv".into(), false)];
     let written = Written {
+        lengths: &Lengths::default(),
         recordings: &recordings,
         folder: std::path::Path::new(""),
         guess: &g,

@@ -4,6 +4,7 @@ use std::fmt::{Display, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::guessed::{About, Guess, Guessed, Question};
+use super::lengths::{Length, Lengths};
 use super::model_key::effects_of;
 use super::names::named;
 use super::stated::si;
@@ -26,6 +27,8 @@ pub(in crate::experiment) struct Written<'a> {
     pub(in crate::experiment) remarks: &'a [String],
     /// All columns of the first recording.
     pub(in crate::experiment) columns: &'a [PreviewColumn],
+    /// Lengths of the robot that are known from the recordings.
+    pub(in crate::experiment) lengths: &'a Lengths,
     /// Rows to be held in memory so that errors are corrected, and the memory \[GB\], if more than by default.
     pub(in crate::experiment) hold: Option<(usize, f64)>,
 }
@@ -49,13 +52,15 @@ impl Guessed {
 
     /// Whether lengths need the radius of the wheels.
     pub(in crate::experiment) fn is_in_metres(&self) -> bool {
-        matches!(self.unit.as_deref(), Some("m" | "cm" | "mm" | "m/s" | "cm/s" | "mm/s" | "km/h"))
+        const LENGTHS: [&str; 11] =
+            ["m", "cm", "mm", "ft", "in", "m/s", "cm/s", "mm/s", "km/h", "ft/s", "in/s"];
+        self.unit.as_deref().is_some_and(|unit| LENGTHS.contains(&unit))
     }
 }
 
 impl Guess {
     /// Whether an input was found.
-    fn has_input(&self) -> bool {
+    pub(in crate::experiment) fn has_input(&self) -> bool {
         self.columns.iter().any(|c| c.key.starts_with('M'))
     }
 
@@ -159,7 +164,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         out,
         "\ntitle = \"\"                  # heading of the report\n\n{ROBOT}{}\n\
          [recordings]\ntrain      = [{}]\nvalidation = [{}]{hint}\n{}\n{}",
-        if w.guess.columns.iter().any(Guessed::is_in_metres) { RADIUS } else { OPTIONAL_RADIUS },
+        lengths(w),
         files(false),
         files(true),
         columns(w.guess),
@@ -191,11 +196,27 @@ const ROBOT: &str = "[robot]
 # the heading (effect slope) and speeds in m/s do. Give a preset, or the two lengths with \"unknown\"; otherwise these
 # are omitted.
 preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_puck, create_2, regbot, frc_tank_drive
-# l1_m = 0.15                 # half the distance between the wheels [m]
 ";
+const OPTIONAL_TRACK: &str =
+    "# l1_m = 0.15                 # half the distance between the wheels [m]\n";
 const OPTIONAL_RADIUS: &str = "# r_m  = 0.05                 # radius of the wheels [m]\n";
 const RADIUS: &str =
     "r_m  = \"?\"                    # radius of the wheels [m], of speeds or angles in metres\n";
+
+/// The keys of the lengths: those that the recordings state or determine, others open or as comments.
+fn lengths(w: &Written) -> String {
+    let key = |key: &str, length: &Option<Length>, meaning: &str, unknown: &str| match length {
+        Some(Length { metres, .. }) => {
+            format!("{key:<4} = {metres:.4}               # {meaning} [m], guessed: see above\n")
+        }
+        None => unknown.to_owned(),
+    };
+    let in_metres = w.guess.columns.iter().any(Guessed::is_in_metres);
+    let without_radius = if in_metres { RADIUS } else { OPTIONAL_RADIUS };
+    let Lengths { radius, half_track } = w.lengths;
+    key("l1_m", half_track, "half the distance between the wheels", OPTIONAL_TRACK)
+        + &key("r_m", radius, "radius of the wheels", without_radius)
+}
 
 fn input_words(unit: DriveUnit) -> &'static str {
     match unit {

@@ -2,7 +2,8 @@
 
 use super::guessed::{About, Guess, Guessed, Question};
 use super::names::named;
-use super::samples::{increases, largest, whole};
+use super::samples::{increases, largest, values_of, whole};
+use crate::io::PreviewColumn;
 use crate::math::median_high;
 
 /// Rates that logs of robots have \[Hz\].
@@ -20,10 +21,15 @@ const COUNTER: f64 = 4_294_967_296.0;
 impl Guess {
     /// Uses the period of the rows that the file states if no column is the time, or if one counts the rows; returns
     /// whether it was needed.
-    pub(in crate::experiment) fn take_period(&mut self, period: f64) -> bool {
+    pub(in crate::experiment) fn take_period(
+        &mut self,
+        columns: &[PreviewColumn],
+        period: f64,
+    ) -> bool {
         match self.columns.iter_mut().find(|c| c.key == "t") {
             Some(t) if t.scale_open => {
-                (t.scale, t.scale_open) = (Some(period), false);
+                let counts = row_step(values_of(columns, &t.name), false).unwrap_or(1.0);
+                (t.scale, t.scale_open) = (Some(period / counts), false);
             }
             Some(_) => return false,
             None => {
@@ -36,10 +42,11 @@ impl Guess {
 }
 
 /// The question on a column that was used as the time and may be another quantity.
-pub(super) fn time_question(guess: &Guess) -> Option<Question> {
+pub(super) fn time_question(columns: &[PreviewColumn], guess: &Guess) -> Option<Question> {
     let time = guess.columns.iter().find(|c| c.key == "t")?;
     if time.scale_open {
-        Some(no_step(&time.name))
+        let counts = row_step(values_of(columns, &time.name), false).unwrap_or(1.0);
+        Some(no_step(&time.name, counts))
     } else if time.unit_open {
         Some(Question::from(format!(
             "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
@@ -50,10 +57,17 @@ pub(super) fn time_question(guess: &Guess) -> Option<Question> {
     }
 }
 
-/// The question for the step of a column that counts rows.
-fn no_step(name: &str) -> Question {
-    let text =
-        format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t");
+/// The question for the step of a column that counts rows, or for that of a timer with these `counts` per row.
+fn no_step(name: &str, counts: f64) -> Question {
+    let text = if counts == 1.0 {
+        format!("`{name}` counts rows: what is the sampling period [s]? Write it as scale of t")
+    } else {
+        format!(
+            "`{name}` counts the ticks of a timer, {counts} from row to row: how many seconds is one? Write this as scale of t \
+             ({:.4e} if there are 100 rows per second)",
+            0.01 / counts
+        )
+    };
     Question { about: About::Period, text }
 }
 

@@ -5,7 +5,8 @@ use super::guessed::{About, Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
 pub(super) use super::samples::{
-    extent, increases, is_constant, is_never_negative, largest, values_of, whole,
+    extent, increases, is_constant, is_never_negative, largest, never_varies, top_of, values_of,
+    whole,
 };
 use super::times::{no_time, time, time_question};
 use crate::io::PreviewColumn;
@@ -22,10 +23,12 @@ pub(super) const RADIUS: &str =
 /// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
 pub(super) fn fits(key: &str, unit: &str) -> bool {
     match key {
-        "alpha1" | "alpha2" => matches!(unit, "mrad" | "deg" | "rev" | "ticks" | "m" | "cm" | "mm"),
+        "alpha1" | "alpha2" => {
+            matches!(unit, "mrad" | "deg" | "rev" | "ticks" | "m" | "cm" | "mm" | "ft" | "in")
+        }
         "dalpha1" | "dalpha2" => {
             let angular = matches!(unit, "mrad/s" | "deg/s" | "rev/s" | "rpm" | "ticks/s");
-            angular || matches!(unit, "m/s" | "cm/s" | "mm/s" | "km/h")
+            angular || matches!(unit, "m/s" | "cm/s" | "mm/s" | "km/h" | "ft/s" | "in/s")
         }
         "M1" | "M2" => {
             let torque =
@@ -36,9 +39,9 @@ pub(super) fn fits(key: &str, unit: &str) -> bool {
     }
 }
 
-/// Whether a column holds one value and no other.
+/// Whether a column holds one value and no other, in all recordings.
 pub(super) fn never_changes(columns: &[PreviewColumn], one: &Guessed) -> bool {
-    is_constant(values_of(columns, &one.name))
+    columns.iter().filter(|c| c.name == one.name).all(never_varies)
 }
 
 /// Share of a speed range below which a sign change is noise of a sensor at rest (judgement).
@@ -73,7 +76,7 @@ pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     electrical::currents(columns, guess);
     let inputs = guess.columns.iter().filter(|c| c.key.starts_with('M'));
-    let top = inputs.map(|c| c.scale.unwrap_or(1.0) * largest(of(&c.name))).fold(0.0, f64::max);
+    let top = inputs.map(|c| c.scale.unwrap_or(1.0) * top_of(of(&c.name))).fold(0.0, f64::max);
     for one in &mut guess.columns {
         let values = of(&one.name);
         if one.unit.is_none() {
@@ -123,7 +126,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
         guess.period_open = !columns.iter().map(held).any(|values: Vec<f64>| increases(&values));
         guess.ask(no_time(guess.period_open));
     }
-    let asked = time_question(guess);
+    let asked = time_question(columns, guess);
     guess.ask_all(asked);
 }
 
@@ -163,7 +166,7 @@ fn angle(values: &[f64], one: &mut Guessed) {
 /// The question if no input was found; `None` if no column is left and one that never changes was asked for.
 fn no_input(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let is_used = |c: &&PreviewColumn| guess.columns.iter().any(|g| g.name == c.name);
-    if columns.iter().filter(|c| !is_used(c)).all(|c| is_constant(&c.values)) {
+    if columns.iter().filter(|c| !is_used(c)).all(never_varies) {
         let none = "this log contains no input: record the torques, currents or voltages of the motors (M1, M2), without \
                     which the dynamics cannot be found";
         let is_asked = guess.questions.iter().any(|asked| asked.about == About::StillInput);

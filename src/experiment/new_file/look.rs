@@ -84,8 +84,8 @@ fn about(path: &Path, reason: String) -> String {
     if is_named { reason } else { format!("{}: {reason}", path.to_string_lossy()) }
 }
 
-/// A recording read with the guessed columns, the findings of conditioning, and its number of rows; or the reason why it cannot
-/// be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
+/// A recording read with the guessed columns, the findings of conditioning, and its number of rows; or the reason why
+/// it cannot be read. The direction of the motion does not depend on counts per turn and radius; findings on angles do.
 fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>, usize), String> {
     if guess.period.is_none() && !guess.columns.iter().any(|c| c.key == "t" && !c.scale_open) {
         return Err("the sampling period is not known".into());

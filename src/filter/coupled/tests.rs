@@ -35,7 +35,7 @@ fn a_joint_too_stiff_to_be_seen_has_the_likelihood_of_the_rigid_robot() {
     let likelihood = likelihood(prepare(&recording));
     let noise = likelihood.initial_noise();
     let jointed = likelihood.value(&model, &p, &noise).unwrap();
-    let plain = likelihood.value(&rigid, &p[..5], &noise).unwrap();
+    let plain = likelihood.value(&rigid, &p[..COUNT], &noise).unwrap();
     // of some 27 000 nats: slip of 0.2 N m / 20 N m s/rad, which the recording does have, is 1 % of
     // its smallest speed
     assert!((jointed - plain).abs() < 12.0, "{jointed} {plain}");

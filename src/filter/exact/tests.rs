@@ -122,8 +122,8 @@ fn moved(p: &[f64], j: usize, by: f64) -> Vec<f64> {
     q
 }
 
-/// Viscous friction absent, with a little, and with so much that the effect of a torque decays within about two rows. Not 0.5,
-/// at which the integrator takes one more step per row, so that differences contain its truncation error.
+/// Viscous friction absent, with a little, and with so much that the effect of a torque decays within about two rows.
+/// Not 0.5, at which the integrator takes one more step per row, so that differences contain its truncation error.
 const DAMPED: [f64; 3] = [0.0, 0.02, 0.45];
 
 #[test]
@@ -197,8 +197,8 @@ fn noise_of_an_input_that_decays_within_the_row_has_the_predicted_variance() {
         };
         let found: Vec<(f64, f64)> = (0..SETS).into_par_iter().map(one).collect();
         let mean = found.iter().map(|(square, _)| square).sum::<f64>() / SETS as f64;
-        // 100 sets of 2000 values scatter by sqrt(2/2e5) = 0.003; the input matrix is within a percent of the exact one. With
-        // that of a torque that does not decay the mean is 0.83 at two rows
+        // 100 sets of 2000 values scatter by sqrt(2/2e5) = 0.003; the input matrix is within a percent of the exact
+        // one. With that of a torque that does not decay the mean is 0.83 at two rows
         assert!((mean - 1.0).abs() < 0.03, "{damped}: {mean}");
         // the distance exceeds 1.95/sqrt(100) once in a thousand times
         let distance = distance_from_uniform(found.into_iter().map(|(_, p)| p).collect());

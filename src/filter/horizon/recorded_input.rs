@@ -100,10 +100,10 @@ fn along_smooth_input(
     places.into_iter().for_each(|j| by_parameter[j] = std::mem::take(&mut along[j]));
 }
 
-/// An input averaged over [`SMOOTH`] to either side, as far as its piece reaches. In a slow log, of which [`FEWEST`] rows last
-/// longer, only rows that differ from it by no more than [`ALIKE`] standard deviations of its `noise`, as the pass assumes
-/// it, and of its slow noise are averaged: steps of a command remain, and so does an input without noise. Along smoothed
-/// steps the derivatives would be weak instruments.
+/// An input averaged over [`SMOOTH`] to either side, as far as its piece reaches. In a slow log, of which [`FEWEST`]
+/// rows last longer, only rows that differ from it by no more than [`ALIKE`] standard deviations of its `noise`, as the
+/// pass assumes it, and of its slow noise are averaged: steps of a command remain, and so does an input without noise.
+/// Along smoothed steps the derivatives would be weak instruments.
 ///
 /// Source: Lee, Digital image smoothing and the sigma filter, CVGIP 24 (1983).
 fn smoothed(signal: &[[f64; 2]], recording: &Recording, noise: f64) -> Vec<[f64; 2]> {

@@ -45,7 +45,8 @@ pub struct Problem {
 
 /// Smallest maximal strength of a rule whose consequents are searched one by one.
 const REACHED: f64 = 0.01;
-/// The same for derivatives. Consequents of weaker rules are determined by the penalty on the distance from the friction level.
+/// The same for derivatives. Consequents of weaker rules are determined by the penalty on the distance from the
+/// friction level.
 const FELT: f64 = 1e-3;
 /// Smallest gain at which the sensitivities are computed that scale the penalty [1/s], in the middle of
 /// those of the continuation. Without a gain they would grow with the length of the recording.

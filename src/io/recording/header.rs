@@ -7,11 +7,25 @@ use crate::io::error::shown;
 
 /// The name without the unit behind it.
 pub(super) fn bare(name: &str) -> &str {
+    let name = without_port(name).0;
     if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
+}
+
+/// A name and the number behind its unit: Simulink writes that of the port of the block, `Speed (rad/s):1`.
+#[must_use]
+pub fn without_port(name: &str) -> (&str, Option<&str>) {
+    let is_number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+    match name.trim_end().rsplit_once(':') {
+        Some((front, port)) if front.ends_with([']', ')']) && is_number(port) => {
+            (front, Some(port))
+        }
+        _ => (name, None),
+    }
 }
 
 /// The unit in brackets behind a name; the word of a side is none.
 pub(super) fn bracketed(name: &str) -> Option<&str> {
+    let name = without_port(name).0;
     let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
     let unit = unit.trim();
     (!unit.is_empty() && !is_element(name) && !is_side(unit)).then_some(unit)
@@ -64,6 +78,12 @@ mod tests {
         assert_eq!((bare("i (A)"), bracketed("i (A)")), ("i", Some("A")));
         assert_eq!((bare("velocity(:,1)"), bracketed("velocity(:,1)")), ("velocity(:,1)", None));
         assert_eq!((bare("t"), bracketed("t []")), ("t", None));
+        let port = "Speed (rad/s):1";
+        assert_eq!((bare(port), bracketed(port)), ("Speed", Some("rad/s")));
+        assert_eq!(
+            (without_port("Data:1"), without_port("a[0]:2")),
+            (("Data:1", None), ("a[0]", Some("2")))
+        );
         assert_eq!((bracketed("omega 1 (rechts)"), bracketed("speed [R]")), (None, None));
         let unknown =
             |key: &str, name: &'static str| unknown_unit(&ColumnMap::default(), key, name);

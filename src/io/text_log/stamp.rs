@@ -37,10 +37,17 @@ pub(super) fn marked(line: &str) -> Option<(f64, &str)> {
     before_arrow(line).or_else(|| in_brackets(line))
 }
 
+/// A whole number in square brackets before labels, which is no index there: `[1230] l: 3`.
+fn counted(line: &str) -> Option<(f64, &str)> {
+    let (clock, rest) = line.trim_start().strip_prefix('[')?.split_once("] ")?;
+    let is_whole = !clock.trim().is_empty() && clock.trim().chars().all(|c| c.is_ascii_digit());
+    (is_whole && rest.contains([':', '='])).then(|| Some((clock.trim().parse().ok()?, rest)))?
+}
+
 /// A time before a line of labels, which needs no mark: a time of day, with a date if need be, as loggers of
 /// programs write it.
 pub(super) fn parted(line: &str) -> Option<(f64, &str)> {
-    marked(line).or_else(|| {
+    marked(line).or_else(|| counted(line)).or_else(|| {
         let line = line.trim_start();
         let (first, rest) = line.split_once(char::is_whitespace)?;
         if first.contains(':') {
@@ -80,6 +87,7 @@ mod tests {
             ("[INFO] [2.5]: l: 1", Some((2.5, " l: 1"))),
             ("00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
             ("1970-01-01 00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
+            ("[1230] l: 1", Some((1230.0, "l: 1"))),
             ("[3] 1 2", None),
             ("[0.1, 0.2] 1", None),
             ("[0.5],1,2", None),

@@ -97,8 +97,8 @@ fn zigzag(w: &[[f64; 2]], i: usize) -> f64 {
     if before * after > 0.0 { before.abs().min(after.abs()) } else { 0.0 }
 }
 
-/// Whether the input of a wheel steps in row `k` or in one of the two before it, by more than a quarter of its range (judgement):
-/// a robot that is fast against the rows may then deviate from its neighbours for a single row.
+/// Whether the input of a wheel steps in row `k` or in one of the two before it, by more than a quarter of its range
+/// (judgement): a robot that is fast against the rows may then deviate from its neighbours for a single row.
 pub(crate) fn steps_before(torque: &[[f64; 2]]) -> impl Fn(usize) -> bool {
     let range = [0, 1].map(|i| {
         let at = |share| quantile(torque.iter().map(|m| m[i]), share);

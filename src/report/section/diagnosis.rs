@@ -233,14 +233,15 @@ fn table(study: &Study, ranking: &[CandidateStudy]) -> Table {
         Column::number("Probability", ""),
         Column::number("p on data not fitted", ""),
         Column::number("ΔBIC", ""),
-        Column::number("2 s simulation error", "rad/s"),
+        Column::number(words::simulation_error(study), "rad/s"),
         Column::number("Quality index", "rad²/s"),
         Column::number("RMS torque", study.drive_unit.symbol()),
         Column::text("Parameters"),
     ];
     let before = ranking.first().map_or(String::new(), |c| {
         format!(
-            " Without any: 2 s simulation error {} rad/s, quality index {} rad²/s.",
+            " Without any: {} {} rad/s, quality index {} rad²/s.",
+            words::simulation_error(study),
             format::digits(c.before.window_rms, 3),
             format::digits(c.before.ise, 3)
         )

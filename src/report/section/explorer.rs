@@ -115,7 +115,7 @@ impl<'a> Seen<'a> {
         if errors.is_empty() {
             return String::new();
         }
-        format!("2 s simulation error: {} rad/s", errors.join(", "))
+        format!("{}: {} rad/s", words::simulation_error(self.study), errors.join(", "))
     }
 
     fn speeds(&self, i: usize) -> Panel {

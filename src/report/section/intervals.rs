@@ -31,8 +31,8 @@ impl Interval {
 }
 
 /// The intervals in which the residual torque of the last model, root mean square over blocks of 1 s, exceeds
-/// [`Thresholds::far_above_floor`] times its median over all blocks; those with the largest one, in the order of their recordings. `None`
-/// where there are none, and unless something unknown is missing.
+/// [`Thresholds::far_above_floor`] times its median over all blocks; those with the largest one, in the order of their
+/// recordings. `None` where there are none, and unless something unknown is missing.
 ///
 /// [`Thresholds::far_above_floor`]: crate::diagnose::Thresholds::far_above_floor
 pub(super) fn intervals(study: &Study) -> Option<Table> {

@@ -16,8 +16,8 @@ pub struct Methods;
 
 /// A method with an error within this factor of the lowest is mentioned with it.
 const AS_GOOD: f64 = 1.01;
-/// A method with an error above the lowest by more than this factor is reported as worse (judgement: as far as a model may be
-/// from the noise floor).
+/// A method with an error above the lowest by more than this factor is reported as worse (judgement: as far as a model
+/// may be from the noise floor).
 const FAR: f64 = THRESHOLDS.above_floor;
 
 impl Section for Methods {
@@ -97,7 +97,7 @@ fn table(study: &Study) -> Table {
     let mut columns = vec![
         Column::text("Method"),
         Column::text("Status"),
-        Column::number("2 s simulation error", "rad/s"),
+        Column::number(words::simulation_error(study), "rad/s"),
         Column::number("Over noise", "×"),
         Column::number("ISE train", "rad²/s"),
     ];
@@ -131,7 +131,8 @@ fn table(study: &Study) -> Table {
         false => "",
     };
     let caption = format!(
-        "Methods. 2 s simulation error on {} data; ISE of the free simulation on {on} data.{drift}{emulators}{error}",
+        "Methods. {} on {} data; ISE of the free simulation on {on} data.{drift}{emulators}{error}",
+        words::simulation_error(study),
         study.judged_words()
     );
     let mut table = Table::new(caption, columns);
@@ -257,16 +258,18 @@ fn figure(study: &Study) -> Option<Figure> {
         highlight: None,
     };
     let title = format!(
-        "Lowest 2 s simulation error: {}, {} times the noise floor",
+        "Lowest {}: {}, {} times the noise floor",
+        words::simulation_error(study),
         words::list(&best),
         format::digits(lowest / study.judged_floor(), 3)
     );
-    let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
-        .with(Layer::Bars(bars))
-        .with(Layer::vline(study.judged_floor(), "noise floor", ColourRole::Ink));
+    let panel =
+        Panel::new(Axis::linear(words::simulation_error(study), "rad/s"), Axis::unlabelled())
+            .with(Layer::Bars(bars))
+            .with(Layer::vline(study.judged_floor(), "noise floor", ColourRole::Ink));
     let figure = Figure::new("methods", title)
         .with_subtitle(format!("{}, on {} data", fitted_by(study), study.judged_words()))
-        .with_caption("Root mean square error of both wheel speeds over windows of 2 s.")
+        .with_caption("Root mean square error of both wheel speeds in these simulations.")
         .with_panel(panel);
     Some(figure)
 }

@@ -107,16 +107,16 @@ impl<'a> Overlay<'a> {
         let error = |p: &Performance| format::digits(p.window_rms, 3);
         // the errors of the verdict are those of all judged recordings
         let here = if self.study.judged().len() > 1 { "On this recording the" } else { "The" };
+        let named = words::simulation_error(self.study);
         let title = match self.completed {
             Some(completed) => format!(
-                "{here} 2 s simulation error falls from {} to {} rad/s; the noise floor is {floor}",
+                "{here} {named} falls from {} to {} rad/s; the noise floor is {floor}",
                 error(self.given),
                 error(completed),
             ),
-            None => format!(
-                "{here} 2 s simulation error is {} rad/s; the noise floor is {floor}",
-                error(self.given)
-            ),
+            None => {
+                format!("{here} {named} is {} rad/s; the noise floor is {floor}", error(self.given))
+            }
         };
         let mut figure = Figure::new("fit", title)
             .with_subtitle(format!(

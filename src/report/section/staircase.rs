@@ -119,13 +119,15 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
             format::digits(floor, 3)
         )
     };
-    let panel = Panel::new(Axis::linear("2 s simulation error", "rad/s"), Axis::unlabelled())
-        .with(Layer::Bars(bars))
-        .with(Layer::vline(floor, "noise floor", ColourRole::Ink));
+    let panel =
+        Panel::new(Axis::linear(words::simulation_error(study), "rad/s"), Axis::unlabelled())
+            .with(Layer::Bars(bars))
+            .with(Layer::vline(floor, "noise floor", ColourRole::Ink));
     Figure::new(id, title)
         .with_subtitle(lead)
         .with_caption(format!(
-            "Root mean square error of both wheel speeds over windows of 2 s, on {} data.",
+            "Root mean square error of both wheel speeds ({}), on {} data.",
+            words::simulation_error(study),
             study.judged_words()
         ))
         .with_panel(panel)
@@ -139,7 +141,7 @@ fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
     );
     let columns = vec![
         Column::text("Model"),
-        Column::number("2 s simulation error", "rad/s"),
+        Column::number(words::simulation_error(study), "rad/s"),
         Column::number("Over noise floor", "×"),
         Column::number("Remaining", ""),
         Column::number("Quality index", "rad²/s"),

@@ -113,7 +113,7 @@ fn numbers(study: &Study) -> Option<Block> {
         None => "The model is".to_owned(),
     };
     Some(Block::Numbers(vec![
-        number("2 s simulation error", three(error), "rad/s", before),
+        number(&words::simulation_error(study), three(error), "rad/s", before),
         number("Noise floor", three(floor), "rad/s", judged),
         number(
             "Error over floor",

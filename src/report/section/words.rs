@@ -5,6 +5,7 @@ use crate::identify::{Estimate, Status};
 use crate::recording::Regime;
 use crate::report::format;
 pub(super) use crate::report::format::unit;
+pub(super) use crate::report::words::simulation_error;
 use crate::study::{MethodStudy, Study};
 
 /// The wheel with index 0 or 1 in text.

@@ -40,8 +40,8 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     }
 }
 
-/// An error above the floor compared with the speed, or with what can cause it: if the noise is small, the ratio to the floor
-/// exaggerates it.
+/// An error above the floor compared with the speed, or with what can cause it: if the noise is small, the ratio to the
+/// floor exaggerates it.
 fn in_perspective(errors: &Errors) -> String {
     match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
         true => {

@@ -56,6 +56,9 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "the time jumps back {} by {period_s} s (first: row {row}), the period of a timer",
             one(count, "time")
         ),
+        Kind::NewestFirst { rows } => {
+            format!("the time falls from row to row in all {rows} rows: the newest is first")
+        }
         Kind::ClockRestart { count, row, back_s } => format!(
             "the time jumps back {} and continues from there (first: by {back_s:.3} s at row {row})",
             one(count, "time")
@@ -223,6 +226,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         }
         Kind::Jitter { .. } => "the rows are moved to the even times",
         Kind::ClockWrap { .. } => "treated as a timer overflow: the time continues",
+        Kind::NewestFirst { .. } => "the rows are turned round",
         Kind::ClockRestart { .. } => {
             "treated as a restarted clock: the rows that follow begin after a gap"
         }

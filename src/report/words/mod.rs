@@ -1,7 +1,10 @@
 //! The sentences of typed results: findings, issues of the check of the recordings, and notes of a fit. The verdict
 //! has its own file, since it is made from all of a diagnosis at once.
 
+mod error_name;
 mod finding;
 mod issue;
 mod name;
 mod note;
+
+pub use self::error_name::simulation_error;

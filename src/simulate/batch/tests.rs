@@ -5,6 +5,7 @@ use super::realisations::SideBySide;
 use super::*;
 use crate::effects::BASE;
 use crate::math::every_width;
+use crate::model::base::{A1, A2, A3, A4, A5};
 use crate::robot::Robot;
 use rand::{Rng, SeedableRng};
 
@@ -55,10 +56,10 @@ fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
     let mut parameters: Vec<Vec<f64>> = (0..29)
         .map(|_| model.initial().iter().map(|a| a * rng.random_range(0.5..1.6)).collect())
         .collect();
-    parameters[1][3] = 0.0; // no friction: never sticks
-    parameters[2][4] = -0.1; // counts as none
-    parameters[3][3] = 1.0; // never moves
-    parameters[4][1] = 2.0 * parameters[4][0]; // no acceleration
+    parameters[1][A4] = 0.0; // no friction: never sticks
+    parameters[2][A5] = -0.1; // counts as none
+    parameters[3][A4] = 1.0; // never moves
+    parameters[4][A2] = 2.0 * parameters[4][A1]; // no acceleration
     let start = State { alpha: [0.3, -1.0], omega: [0.0, 2.0] };
     for hold in [Hold::Linear, Hold::Constant] {
         compare(&model, &parameters, &Input { t: &t, torque: &torque, hold }, start);
@@ -74,9 +75,9 @@ fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
     let t: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
     let torque = vec![[40.0, -3.0]; 500];
     let mut parameters = vec![model.initial(); 3];
-    parameters[1][0] = 5e-5;
-    parameters[1][1] = 0.0;
-    parameters[1][2] = 0.0;
+    parameters[1][A1] = 5e-5;
+    parameters[1][A2] = 0.0;
+    parameters[1][A3] = 0.0;
     let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
     let found = ise_of_many(&model, &parameters, &input, State::default(), &torque);
     assert!(matches!(found[1], Err(SimulateError::Diverged { .. })), "{:?}", found[1]);

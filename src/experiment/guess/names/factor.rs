@@ -14,7 +14,7 @@ pub(super) fn many(unit: &str) -> (Option<f64>, &str) {
     if number.is_some() && !rest.starts_with('/') { (number, rest) } else { (None, unit) }
 }
 
-/// What stands before `*10` or `/10` at the end, and how many of its unit are one: a value that was multiplied by 10
+/// What stands before `*10`, ` x10` or `/10` at the end, and how many of its unit are one: a value that was multiplied by 10
 /// is a tenth of a unit.
 pub(super) fn multiplied(text: &str) -> (Option<f64>, &str) {
     let by = |sign: char| {
@@ -22,7 +22,9 @@ pub(super) fn multiplied(text: &str) -> (Option<f64>, &str) {
         let number: f64 = number.trim().parse().ok()?;
         POWERS.contains(&number).then_some((number, before.trim_end()))
     };
-    let found = by('*').or_else(|| by('\u{d7}')).map(|(n, before)| (1.0 / n, before));
+    let letter = || by('x').filter(|_| text.contains(" x"));
+    let found =
+        by('*').or_else(|| by('\u{d7}')).or_else(letter).map(|(n, before)| (1.0 / n, before));
     match found.or_else(|| by('/')) {
         Some((scale, before)) => (Some(scale), before),
         None => (None, text),
@@ -56,6 +58,8 @@ mod tests {
         assert_eq!(many("x0.1 rpm"), (Some(0.1), "rpm"));
         assert_eq!((many("1/min"), many("rpm")), ((None, "1/min"), (None, "rpm")));
         assert_eq!(multiplied("mA*10"), (Some(0.1), "mA"));
+        assert_eq!(multiplied("A x10"), (Some(0.1), "A"));
+        assert_eq!(multiplied("0x10"), (None, "0x10"));
         assert_eq!(multiplied("rpm / 10"), (Some(10.0), "rpm"));
         assert_eq!(multiplied("wheel/2"), (None, "wheel/2"));
     }

@@ -153,12 +153,14 @@ fn a_second(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     speeds.map(|unit| (unit, Some(Quantity::Speed))).next()
 }
 
-/// A unit in brackets; `min` and `h` are words of other names without them.
+/// A unit in brackets; `min`, `h`, `ft` and `in` are words of other names without them.
 pub(super) fn bracketed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     match text {
         "min" | "minute" | "minutes" => Some(("min", None)),
         "h" | "hr" | "hrs" | "hour" | "hours" => Some(("h", None)),
         "d" | "day" | "days" => Some(("d", None)),
+        "ft" => Some(("ft", Some(Quantity::Angle))),
+        "in" => Some(("in", Some(Quantity::Angle))),
         _ => unit(text),
     }
 }
@@ -183,7 +185,7 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
 
 /// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
 /// by itself.
-const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
+const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
     (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
     (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
@@ -199,6 +201,16 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
             "m/s",
         ],
         "m/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &["ft/s", "ft/sec", "ftpers", "ftpersec", "feetpersec", "feetpersecond"],
+        "ft/s",
+        Some(Quantity::Speed),
+    ),
+    (
+        &["in/s", "in/sec", "inpers", "inpersec", "inchespersec", "inchespersecond"],
+        "in/s",
         Some(Quantity::Speed),
     ),
     (&["km/h", "kmh", "kph", "kmperh", "kmperhour"], "km/h", Some(Quantity::Speed)),
@@ -256,6 +268,8 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
         &[
             "rotationsperminute",
             "rpm",
+            "转/分",
+            "回転/分",
             "1/min",
             "r/min",
             "u/min",
@@ -301,6 +315,9 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
     (&["meters", "metres"], "m", None),
     (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
     (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),
+    (&["feet", "foot"], "ft", Some(Quantity::Angle)),
+    (&["inches", "inch"], "in", Some(Quantity::Angle)),
+    (&["毫秒", "ミリ秒", "밀리초"], "ms", Some(Quantity::Time)),
     (&["milliseconds", "millis", "msec", "ms", "мс"], "ms", Some(Quantity::Time)),
     (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
     (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
@@ -316,5 +333,5 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 34] = [
     (&["lbin", "lbfin", "inlb"], "lb in", Some(Quantity::Torque)),
     (&["lbft", "lbfft", "ftlb"], "lb ft", Some(Quantity::Torque)),
     (&["newtonmeters", "newtonmetres", "nm", "нм"], "N m", Some(Quantity::Torque)),
-    (&["seconds", "second", "secs", "sec", "s", "с"], "s", None),
+    (&["seconds", "second", "secs", "sec", "sek", "seg", "s", "с", "秒", "초"], "s", None),
 ];

@@ -62,15 +62,37 @@ fn the_period_that_a_file_states_stands_for_a_time_that_is_not_there() {
     let log =
         [counted("w_r", |k| (0.1 * k as f64).sin()), counted("w_l", |k| (0.1 * k as f64).sin())];
     let mut g = guess(&log);
-    assert!(g.take_period(0.01) && g.period == Some(0.01));
+    assert!(g.take_period(&log, 0.01) && g.period == Some(0.01));
     assert!(
         !g.questions.iter().any(|q| q.text.contains("what is the sampling period")),
         "{:?}",
         g.questions
     );
-    let mut g = guess(&[counted("sample", |k| k as f64), log[0].clone()]);
-    assert!(g.take_period(0.02) && g.columns[0].scale == Some(0.02) && !g.columns[0].scale_open);
-    assert!(!guess(&[counted("t", |k| 0.01 * k as f64)]).take_period(0.02));
+    let rows = [counted("sample", |k| k as f64), log[0].clone()];
+    let mut g = guess(&rows);
+    assert!(g.take_period(&rows, 0.02) && g.columns[0].scale == Some(0.02));
+    assert!(!g.columns[0].scale_open);
+    let time = [counted("t", |k| 0.01 * k as f64)];
+    assert!(!guess(&time).take_period(&time, 0.02));
+}
+
+#[test]
+fn ticks_in_even_steps_are_those_of_a_timer_and_their_length_is_asked() {
+    let wave = |name: &str| counted(name, |k| (0.1 * k as f64).sin());
+    let ticks = counted("tick", |k| 77.0 + (327.68 * k as f64).round());
+    let log = [ticks, wave("w_r"), wave("w_l")];
+    let mut g = guess(&log);
+    let t = &g.columns[0];
+    assert_eq!((t.key, t.name.as_str(), t.scale_open), ("t", "tick", true));
+    assert!(
+        g.asked().contains("counts the ticks of a timer, 328 from row to row"),
+        "{}",
+        g.asked()
+    );
+    assert!(g.take_period(&log, 0.01) && g.columns[0].scale == Some(0.01 / 328.0));
+    // the counts of a wheel, which turns at a speed that changes
+    let wheel = counted("tick", |k| (300.0 * k as f64 - 4000.0 * (k as f64 / 40.0).cos()).round());
+    assert!(!guess(&[wheel, wave("w_r"), wave("w_l")]).columns.iter().any(|c| c.key == "t"));
 }
 
 #[test]

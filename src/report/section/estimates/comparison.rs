@@ -7,8 +7,8 @@ use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Pa
 use crate::report::format;
 use crate::study::{MethodStudy, Study};
 
-/// Ratio to the median reach of the methods beyond which the interval of one does not set the range of a panel: it would hide
-/// the others (judgement).
+/// Ratio to the median reach of the methods beyond which the interval of one does not set the range of a panel: it
+/// would hide the others (judgement).
 const WIDE: f64 = 5.0;
 
 /// Deviations of the estimates from the true value, or from the reference method: one panel per parameter; empty if there
