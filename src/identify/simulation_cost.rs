@@ -200,10 +200,12 @@ impl<'a> Problem<'a> {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
             let stride = (p.len() + 4).next_multiple_of(LANES);
             let (mut sums, mut blocks) = (ScoreSums::new(p.len() + 4), Vec::new());
+            let mut block_ends = input.t[0] + BLOCK;
             follow(self.model(), &p, &input, self.start(x, n), &mut |k, state, derivatives| {
                 let error = self.error(*r, piece.start + k, state);
-                while blocks.len() < ((input.t[k] - input.t[0]) / BLOCK) as usize {
+                while input.t[k] >= block_ends {
                     blocks.push(sums.take_score());
+                    block_ends += BLOCK;
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     let residual = weight[i] * error[i];

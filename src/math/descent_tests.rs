@@ -53,6 +53,21 @@ fn a_noisy_exponential_and_its_errors_equal_scipy_curve_fit() {
 }
 
 #[test]
+fn the_last_step_spares_an_evaluation_where_decreases_shrink_fast() {
+    let options =
+        |last_step| MinimiseOptions { last_step, relative_tolerance: 1e-6, ..Default::default() };
+    let [plain, last] = [false, true].map(|way| run(decay, &[1.0, 1.0, 0.0], &options(way)));
+    assert!(last.evaluations < plain.evaluations, "{} {}", last.evaluations, plain.evaluations);
+    let best = run(decay, &[1.0, 1.0, 0.0], &MinimiseOptions::default());
+    let covariance = Information::new(&best.hessian).covariance();
+    for i in 0..3 {
+        // a decrease of 1e-6 of the cost, 27/2 sigma², is (2 · 13.5e-6)^(1/2) = 5e-3 standard errors
+        let error = (2.0 * best.cost / 27.0 * covariance[(i, i)]).sqrt();
+        assert!((last.x[i] - best.x[i]).abs() < 5e-3 * error, "{i}: {}", last.x[i] - best.x[i]);
+    }
+}
+
+#[test]
 fn a_bound_is_held_and_the_other_parameters_adapt_as_in_scipy() {
     let upper = Some(DVector::from_row_slice(&[9.0, 1.0, 9.0]));
     let options = MinimiseOptions { upper, ..MinimiseOptions::default() };

@@ -90,17 +90,21 @@ impl Recording {
     }
 
     /// Standard deviation of the differences of the input from row to row [unit of the input], which are
-    /// noise or changes of the input itself, as far as the speeds do not follow them.
+    /// noise or changes of the input itself, as far as the speeds do not follow them. Computed once; copies of the recording
+    /// with the same input share it.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
-        self.recorded_input_noise().unwrap_or_else(|| {
-            let jumps = [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
-            if jumps == [0.0; 2] || !self.measured().omega {
-                return jumps;
-            }
-            let most = self.most_by_one_step().input;
-            [0, 1].map(|i| jumps[i].min(most[i]))
-        })
+        let known = self.recorded_input_noise();
+        known.unwrap_or_else(|| *self.kept_jumps().get_or_init(|| self.estimate_input_jumps()))
+    }
+
+    fn estimate_input_jumps(&self) -> [f64; 2] {
+        let jumps = [0, 1].map(|i| self.channel_noise(self.torque(), i, false));
+        if jumps == [0.0; 2] || !self.measured().omega {
+            return jumps;
+        }
+        let most = self.most_by_one_step().input;
+        [0, 1].map(|i| jumps[i].min(most[i]))
     }
 
     /// `sensed`: rows that only repeat a slow sensor contain no information on its noise.

@@ -38,6 +38,8 @@ pub struct Recording {
     input_time_error: f64,
     /// What is computed from angles and speeds on first use; copies with the same motion share it.
     kept: Arc<Kept>,
+    /// [`Recording::input_jumps`], computed on first use; copies with the same motion and input share it.
+    kept_jumps: Arc<OnceLock<[f64; 2]>>,
 }
 
 /// Results that depend on the angles, the speeds and the noise of their sensors only.
@@ -109,6 +111,7 @@ impl Recording {
             slow_input_noise: [SlowNoise::default(); 2],
             input_time_error: 0.0,
             kept: Arc::default(),
+            kept_jumps: Arc::default(),
         })
     }
 
@@ -213,7 +216,7 @@ impl Recording {
     #[must_use]
     pub fn with_torque(&self, torque: Vec<[f64; 2]>) -> Self {
         assert_eq!(torque.len(), self.len(), "one row of the input a sample");
-        Self { torque, ..self.clone() }
+        Self { torque, kept_jumps: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with other speeds; angles that were not measured are integrated from them.
@@ -225,7 +228,7 @@ impl Recording {
         assert_eq!(omega.len(), self.len(), "one row of speeds a sample");
         let measured = self.measured.alpha;
         let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega) };
-        Self { alpha, omega, kept: Arc::default(), ..self.clone() }
+        Self { alpha, omega, ..self.anew() }
     }
 
     /// The same recording with angles shifted by `later` \[rad\].
@@ -233,7 +236,7 @@ impl Recording {
     pub fn with_later_angles(&self, later: [f64; 2]) -> Self {
         let moved = |a: &[f64; 2]| [a[0] + later[0], a[1] + later[1]];
         let alpha = self.alpha.iter().map(moved).collect();
-        Self { alpha, kept: Arc::default(), ..self.clone() }
+        Self { alpha, ..self.anew() }
     }
 
     /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
@@ -291,7 +294,16 @@ impl Recording {
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
         // local motion and standstill depend on the noise
-        self.kept = Arc::default();
+        *self = self.anew();
+    }
+
+    /// A copy of which everything that is computed on first use is computed again.
+    fn anew(&self) -> Self {
+        Self { kept: Arc::default(), kept_jumps: Arc::default(), ..self.clone() }
+    }
+
+    pub(super) fn kept_jumps(&self) -> &OnceLock<[f64; 2]> {
+        &self.kept_jumps
     }
 
     pub(super) fn kept(&self) -> &Kept {
