@@ -11,7 +11,7 @@ use crate::io::{PreviewColumn, words};
 /// Words of a heading, and those of its rate and of one that was not measured.
 const HEADINGS: [&str; 2] = ["heading", "yaw"];
 const RATES: [&str; 6] = ["rate", "vel", "velocity", "speed", "gyro", "error"];
-/// Time over which angles are compared \[s\]: steps of an encoder and slip of a moment are small within it.
+/// Time over which angles are compared \[s\]: steps of an encoder and momentary slip are small against its motion.
 const PASSED: f64 = 0.25;
 
 /// Changes of the heading and of the wheels over the same intervals.
