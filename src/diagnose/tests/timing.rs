@@ -137,17 +137,16 @@ fn a_shift_that_stands_in_for_a_missing_effect_is_not_taken_out() {
     let model = Model::base(Robot::amigobot());
     // friction of up to twice the level at top speed: the base model misses every slope, and an input that acts
     // earlier or later is a little better
-    let mut significant = 0;
+    let mut refused = 0;
     for (seed, viscous) in (21..27).flat_map(|seed| [0.006, 0.02].map(|v| (seed, v))) {
         let recording = recorded(&[("viscous_friction", &[viscous])], NOISE, seed);
         let first = started(&model, std::slice::from_ref(&recording));
-        // or the balance has no minimum, or no time fits
-        let found = timing(&model, &first, &[&recording], Hold::Linear);
-        let Some(found) = found else { continue };
-        significant += usize::from(found.dead_time_s.abs() > 2.0 * found.std_error_s);
-        assert_eq!(found.correction_s, 0.0, "{seed}: {found:?}");
+        match timing(&model, &first, &[&recording], Hold::Linear) {
+            Some(found) => assert_eq!(found.correction_s, 0.0, "{seed}: {found:?}"),
+            None => refused += 1,
+        }
     }
-    assert!(significant > 0, "the shift is never significant: the test shows nothing");
+    assert!(refused > 0, "the model follows all recordings at some time: the test shows nothing");
 }
 
 /// Speeds of a motor of 12 V under steps and waves that differ from one `seed` to the next, with that lag.
