@@ -4,6 +4,7 @@
 //! [`Fit`]; not converging is a status of the fit, not an error.
 
 mod between_rows;
+mod combined;
 mod driving;
 mod fit;
 pub mod fuzzy;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Task;
+use super::combined::{Combined, Factors, factors_of};
 use crate::effects::{Motion, Terms, along, with_friction};
 use crate::math::sgn;
 use crate::model::{Linearisation, Model, SpeedPolynomial, Variation, times};
@@ -20,9 +21,14 @@ pub(super) struct Regressor<'a> {
     pub(super) linear: Vec<usize>,
     /// Parameters with all linear ones at zero.
     unit: Vec<f64>,
-    /// The columns of each effect if they are polynomials: its given part, and its linear parameters.
-    polynomials: Vec<Option<(Column, Vec<Column>)>>,
+    /// The columns of each effect if they are polynomials.
+    polynomials: Vec<Option<Polynomials>>,
+    /// The columns of all effects, if all are polynomials.
+    combined: Option<Combined>,
 }
+
+/// The columns of an effect: its given part, and its linear parameters.
+type Polynomials = (Column, Vec<Column>);
 
 /// A column whose torque is a second-degree polynomial of the speeds, with a constant mass matrix and constant
 /// levels of dry friction.
@@ -43,10 +49,14 @@ impl Column {
         let ([constant, ..], [first, second]) = (self.torque.factors, self.torque.rest(omega));
         with_friction([constant[0] + first, constant[1] + second], &self.level, sign)
     }
+
+    fn factors(&self) -> Factors {
+        factors_of(self.mass, &self.torque, &self.level)
+    }
 }
 
 /// The columns of effect `e`, if all are polynomials; `unit` are the parameters with the linear ones at zero.
-fn columns(model: &Model, e: usize, unit: &[f64]) -> Option<(Column, Vec<Column>)> {
+fn columns(model: &Model, e: usize, unit: &[f64]) -> Option<Polynomials> {
     let (slots, variations) = (model.slots(e), model.variations(e));
     let constant =
         variations.mass <= Variation::Constant && variations.level <= Variation::Constant;
@@ -64,6 +74,19 @@ fn columns(model: &Model, e: usize, unit: &[f64]) -> Option<(Column, Vec<Column>
     };
     let own = model.linear().into_iter().filter(|j| slots.contains(j)).map(one).collect();
     Some((Column::of(|omega| at(omega, none)), own))
+}
+
+/// The factors of all columns, ordered as in [`Balance`]; `None` if an effect has other terms.
+fn factors(polynomials: &[Option<Polynomials>]) -> Option<Vec<Factors>> {
+    let (mut out, mut sum) = (vec![], Factors::default());
+    for effect in polynomials {
+        let (given, own) = effect.as_ref()?;
+        out.extend(own.iter().map(Column::factors));
+        let both = sum.iter_mut().flatten().zip(given.factors().into_iter().flatten());
+        both.for_each(|(sum, factor)| *sum += factor);
+    }
+    out.push(sum);
+    Some(out)
 }
 
 /// `with` minus `without`.
@@ -128,13 +151,20 @@ impl<'a> Regressor<'a> {
         for &j in &linear {
             unit[j] = 0.0;
         }
-        let polynomials = (0..model.effects().len()).map(|e| columns(model, e, &unit)).collect();
-        Self { model, linear, unit, polynomials }
+        let polynomials: Vec<_> =
+            (0..model.effects().len()).map(|e| columns(model, e, &unit)).collect();
+        let combined = factors(&polynomials).map(|columns| Combined::new(&columns));
+        Self { model, linear, unit, polynomials, combined }
     }
 
     /// Number of columns.
     pub(super) fn width(&self) -> usize {
         self.linear.len()
+    }
+
+    /// All columns combined, if no effect has other terms than polynomials.
+    pub(super) fn combined(&self) -> Option<&Combined> {
+        self.combined.as_ref()
     }
 
     /// The balance at one instant.
@@ -223,6 +253,7 @@ impl<'a> Regressor<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::combined::quantities;
     use super::*;
     use crate::effects;
     use crate::robot::Robot;
@@ -258,5 +289,33 @@ mod tests {
             }
         }
         assert!(polynomials > 40, "{polynomials}");
+    }
+    #[test]
+    fn combined_columns_are_those_of_the_balance() {
+        let mut count = 0;
+        for effect in effects::all() {
+            let Ok(model) = Model::with_effects(Robot::amigobot(), &[effect.id()]) else {
+                continue;
+            };
+            let regressor = Regressor::new(&model, &model.initial());
+            let Some(combined) = regressor.combined() else { continue };
+            count += 1;
+            let width = regressor.width();
+            for omega in [[1.3, -0.8], [4.0, 6.5], [-2.0, 0.0]] {
+                let a = [3.0, -1.7];
+                let balance = regressor.at(&Motion::at(0.4, [0.2, -0.7], omega, model.robot()));
+                let groups = combined.at(quantities(omega, a));
+                let found: Vec<f64> = groups.flat_map(|group| group.to_array()).collect();
+                for c in 0..=width {
+                    let side = if c < width { 1.0 } else { -1.0 };
+                    for (wheel, torque) in balance.total_torque(c, &a).into_iter().enumerate() {
+                        let found = side * found[wheel * (width + 1) + c];
+                        // rounding of a dozen terms, products of speeds up to 42 rad²/s²
+                        assert!((found - torque).abs() < 1e-13, "{} {c} {wheel}", effect.id());
+                    }
+                }
+            }
+        }
+        assert!(count > 10, "{count}");
     }
 }

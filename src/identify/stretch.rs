@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use wide::f64x4;
 
+use super::combined::{TOGETHER, quantities};
 use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
 use crate::math::filter::{Extension, Section, butterworth, filter_both_ways, filter_within};
@@ -212,7 +213,7 @@ impl Signals {
     /// Column `c` of wheel `wheel` at sample `k`; column `width` is the right-hand side.
     pub(super) fn at(&self, wheel: usize, c: usize, k: usize) -> f64 {
         let place = wheel * (self.width + 1) + c;
-        self.groups[place / 4][k].as_array()[place % 4]
+        self.groups[place / TOGETHER][k].as_array()[place % TOGETHER]
     }
 }
 
@@ -233,7 +234,7 @@ impl Stretch<'_> {
         movements: &[Range<usize>],
     ) -> Signals {
         let width = regressor.width();
-        let count = (2 * (width + 1)).div_ceil(4);
+        let count = (2 * (width + 1)).div_ceil(TOGETHER);
         let groups = vec![vec![f64x4::ZERO; self.t.len()]; count];
         let mut out = Signals { width, groups };
         for rows in movements.iter().filter(|rows| treatment.holds_rows(rows)) {
@@ -267,19 +268,25 @@ impl Stretch<'_> {
         let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; out.groups.len()];
         let mut balance = Balance::default();
         for k in 0..t.len() {
-            let (since, alpha) = (t[k] - self.start, self.alpha[rows.start + k]);
-            let motion = Motion::at(since, alpha, omega[k], model.robot());
-            regressor.write(&motion, &mut balance);
-            for c in 0..=width {
-                let torque = balance.total_torque(c, &acceleration[k]);
-                for wheel in 0..2 {
-                    let place = wheel * (width + 1) + c;
-                    groups[place / 4][edge + k].as_mut_array()[place % 4] = if c < width {
-                        torque[wheel]
-                    } else {
-                        input[k].as_array()[wheel] - torque[wheel]
-                    };
+            let (w, a) = (omega[k], acceleration[k]);
+            if let Some(combined) = regressor.combined() {
+                let torques = combined.at(quantities(w, a));
+                groups.iter_mut().zip(torques).for_each(|(group, t)| group[edge + k] = t);
+            } else {
+                let (time, alpha) = (t[k] - self.start, self.alpha[rows.start + k]);
+                regressor.write(&Motion::at(time, alpha, w, model.robot()), &mut balance);
+                for c in 0..=width {
+                    let side = if c < width { 1.0 } else { -1.0 };
+                    for (wheel, torque) in balance.total_torque(c, &a).into_iter().enumerate() {
+                        let place = wheel * (width + 1) + c;
+                        groups[place / TOGETHER][edge + k].as_mut_array()[place % TOGETHER] =
+                            side * torque;
+                    }
                 }
+            }
+            for (wheel, input) in input[k].as_array()[..2].iter().enumerate() {
+                let place = wheel * (width + 1) + width;
+                groups[place / TOGETHER][edge + k].as_mut_array()[place % TOGETHER] += input;
             }
         }
         for (out, group) in out.groups.iter_mut().zip(&mut groups) {

@@ -203,6 +203,21 @@ mod tests {
     }
 
     #[test]
+    fn another_input_has_its_own_noise() {
+        let t: Vec<f64> = (0..400).map(|k| 0.01 * k as f64).collect();
+        let rough = |k: usize| ((k * k) as f64).sin();
+        let torque = |size: f64| (0..400).map(|k| [size * rough(k), 0.0]).collect::<Vec<_>>();
+        let omega = (0..400).map(|k| [rough(k + 7), rough(k + 9)]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque: torque(0.01) };
+        let recording = Recording::new("a", channels, DriveUnit::NewtonMetre).unwrap();
+        let [first, _] = recording.input_jumps();
+        // differences are linear in the input
+        let [other, _] = recording.with_torque(torque(0.02)).input_jumps();
+        assert!(first > 0.0 && (other / first - 2.0).abs() < 1e-9, "{first} {other}");
+        assert_eq!(recording.input_jumps()[0], first);
+    }
+
+    #[test]
     fn steps_of_a_command_are_no_noise() {
         let t: Vec<f64> = (0..2000).map(|k| 0.005 * k as f64).collect();
         let torque =

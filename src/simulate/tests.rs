@@ -156,3 +156,54 @@ fn sensitivities_equal_central_differences_through_stops_and_reversals() {
         assert!((d - e).abs() < 1e-4 * (1.0 + d.abs()), "{d} {e}");
     }
 }
+
+#[test]
+fn a_speed_along_a_direction_that_friction_holds_at_the_start_changes_nothing_later() {
+    let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
+    let p = model.initial();
+    let t = time(201, 0.01);
+    // at rest the torques exceed the friction from 0.4 s on; beside a turning wheel only that of the other one holds
+    let torque: Vec<[f64; 2]> = t.iter().map(|t| [0.25 * t, 0.2 * t + 0.05]).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+    for (omega, held) in [([0.0, 0.0], [true, true]), ([0.0, 9.0], [true, false])] {
+        let start = State { alpha: [0.0; 2], omega };
+        let (motion, s) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
+        assert!(motion[200].omega.iter().all(|w| *w > 0.1));
+        for j in 0..2 {
+            let step = 1e-5;
+            let mut ahead = start;
+            ahead.omega[j] += step;
+            let ahead = simulate(&model, &p, &input, ahead).unwrap();
+            let column = p.len() + 2 + j;
+            assert_eq!(s.at(0, 2 + j, column), 1.0);
+            for k in (1..=200).step_by(10) {
+                for i in 0..2 {
+                    let d = (ahead[k].omega[i] - motion[k].omega[i]) / step;
+                    // to the first order in the step: the wheel stops after 1e-6 s
+                    assert!((d - s.at(k, 2 + i, column)).abs() < 1e-3, "{held:?} {j} {k} {i}: {d}");
+                }
+            }
+            assert_eq!(held[j], s.at(1, 2 + j, column) == 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_speed_of_a_wheel_that_is_about_to_break_away_lasts() {
+    let model = Model::base(Robot::amigobot()).add("viscous_friction").unwrap();
+    let p = model.initial();
+    let t = time(101, 0.01);
+    // 1 mN m below the friction, which the torques exceed after 4 ms: a speed of 0.02 rad/s falls by 0.3 % until then
+    let torque: Vec<[f64; 2]> = t.iter().map(|t| [p[A4] - 1e-3 + 0.25 * t; 2]).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+    let start = State::default();
+    let (motion, s) = simulate_with_sensitivities(&model, &p, &input, start).unwrap();
+    let step = 0.02;
+    let ahead = State { omega: [step; 2], ..start };
+    let ahead = simulate(&model, &p, &input, ahead).unwrap();
+    for k in (10..=100).step_by(10) {
+        let d = (ahead[k].omega[0] - motion[k].omega[0]) / step;
+        let e = s.at(k, 2, p.len() + 2) + s.at(k, 2, p.len() + 3);
+        assert!((d - e).abs() < 0.01, "{k}: {d} {e}");
+    }
+}

@@ -3,12 +3,16 @@
 use super::carry::{Carry, InputSlope, Node, Slide, Turn};
 use super::forces::{Departure, Forces, Vector};
 use super::forcing::{Forcing, LANES, Pair, quantities};
-use super::friction::Contact;
+use super::friction::{Contact, along_freedom};
 use super::input_line::InputLine;
 use super::stepper::StepObserver;
 use crate::effects::{DIRECTIONS, along};
 use crate::math::in_lanes;
 use crate::model::{Linearisation, ModelError, times};
+
+/// Share of its friction below which a direction counts as held at the start of a simulation: a small speed along it then ends
+/// within a few rows. Nearer to breakaway it may last until then, and its derivatives go on.
+const FIRM: f64 = 0.5;
 
 /// The present sensitivities. Their columns are the parameters, the initial speeds and the initial angles: if
 /// nothing depends on the angles, those of the angles are constant.
@@ -35,6 +39,8 @@ pub(super) struct Variation {
     /// Derivatives at the end of the last step, and the state there.
     end: Linearisation,
     at_end: Option<(f64, Vector)>,
+    /// Whether the first step of a simulation is still to come: its contact may hold initial speeds.
+    begins: bool,
 }
 
 impl Variation {
@@ -59,6 +65,7 @@ impl Variation {
             middle: Linearisation::new(parameters),
             end: Linearisation::new(parameters),
             at_end: None,
+            begins: true,
         };
         variation.identity();
         variation
@@ -85,6 +92,7 @@ impl Variation {
         self.input.clear();
         self.input.extend_from_slice(acting);
         self.joined = false;
+        self.begins = false;
     }
 
     /// Derivatives of the four states with respect to a column.
@@ -209,6 +217,21 @@ impl Variation {
         }
     }
 
+    /// What is left of initial speeds if only direction `n` is free: friction stops the rest at once, and the momentum along
+    /// `n` stays. Without this the speed of a wheel that begins at rest would act on all later rows, which no simulation
+    /// shows, and a descent over initial speeds would go to and fro between zero and a speed near it.
+    ///
+    /// ```text
+    /// S+ = n (n'A S-)/(n'A n)   of the speeds
+    /// ```
+    fn hold(&mut self, f: &Forces, from: &Departure, n: &[f64; 2]) {
+        let mass = f.wheel.at(&f.motion(from.t, &from.y)).mass;
+        let [_, _, w1, w2] = rows(&mut self.values);
+        for (w1, w2) in w1.iter_mut().zip(w2) {
+            [*w1, *w2] = along_freedom(&mass, &times(&mass, &[*w1, *w2]), n);
+        }
+    }
+
     /// A step without acceleration.
     fn rest(&mut self, h: f64) {
         let half = self.values.len() / 2;
@@ -247,6 +270,12 @@ fn middle(h: f64, (y, rate): (&Vector, &Vector), (end, a): (&Vector, &[f64; 2]))
 
 impl StepObserver for Variation {
     fn smooth(&mut self, f: &Forces, from: &Departure, to: f64, end: &Vector, input: &InputLine) {
+        if std::mem::take(&mut self.begins)
+            && let (Some(n), Some(held)) = (from.freedom, f.held(from.t, &from.y, input, from))
+            && held.0 < FIRM * held.1
+        {
+            self.hold(f, from, &n);
+        }
         if self.forcing.is_some() && from.freedom.is_none() {
             return self.slide(f, from, to, end, input);
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use polars::prelude::DataFrame;
 
-use super::plain::plain;
+use super::plain::front;
 use super::{Layout, Style, is_row, split};
 use crate::io::IoError;
 use crate::io::error::shown;
@@ -37,8 +37,8 @@ pub(in crate::io) struct Blocks<'a> {
     wanted: Vec<(&'a str, usize)>,
     /// Whether a cell of digits with a point can only be that number.
     is_plain: bool,
-    /// First bytes of the cells of a row, and of the one after the last.
-    cells: Vec<usize>,
+    /// The required column in each place of a row.
+    columns: Vec<Option<usize>>,
     lines: BufReader<File>,
     text: Vec<u8>,
     /// Number of lines read.
@@ -57,12 +57,16 @@ impl<'a> Blocks<'a> {
     ) -> Result<Self, IoError> {
         let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
         let place = |n: &String| layout.names.iter().position(|h| h == n).unwrap_or_default();
-        let wanted = names.iter().map(|n| (n.as_str(), place(n))).collect();
+        let wanted: Vec<(&str, usize)> = names.iter().map(|n| (n.as_str(), place(n))).collect();
+        let column = |k: usize| wanted.iter().position(|(_, place)| *place == k);
+        let columns: Vec<Option<usize>> = (0..layout.names.len()).map(column).collect();
         let lines = BufReader::with_capacity(1 << 16, file);
         let header = 1 + layout.units;
-        let is_plain = layout.directions.is_empty() && layout.style != Style::PointedThousands;
-        let (text, cells) = (vec![], vec![]);
-        Ok(Self { path, layout, wanted, is_plain, cells, lines, text, line: 0, header, row: 0 })
+        let is_one_each = columns.iter().flatten().count() == wanted.len();
+        let is_plain =
+            is_one_each && layout.directions.is_empty() && layout.style != Style::PointedThousands;
+        let text = vec![];
+        Ok(Self { path, layout, wanted, is_plain, columns, lines, text, line: 0, header, row: 0 })
     }
 
     /// The next rows, at most `rows`; empty at the end.
@@ -100,29 +104,30 @@ impl<'a> Blocks<'a> {
     }
 
     /// Parses a row with one plain number in each of the required columns; `false` for any other row.
-    fn parse_plain(&mut self, values: &mut [Vec<f64>]) -> bool {
-        let (text, separator) = (self.text.trim_ascii_end(), self.layout.separator);
-        self.cells.clear();
-        self.cells.push(0);
-        let parted = text.iter().enumerate().filter(|(_, byte)| **byte == separator);
-        self.cells.extend(parted.map(|(k, _)| k + 1));
-        self.cells.push(text.len() + 1);
-        let as_named = self.cells.len() == self.layout.names.len() + 1;
-        if !(self.is_plain && as_named) || text.contains(&b'"') {
+    fn parse_plain(&self, values: &mut [Vec<f64>]) -> bool {
+        let (mut text, separator) = (self.text.trim_ascii_end(), self.layout.separator);
+        if !self.is_plain || text.contains(&b'"') {
             return false;
         }
-        let row = values.first().map_or(0, Vec::len);
-        for ((_, place), column) in self.wanted.iter().zip(&mut *values) {
-            let cell = &text[self.cells[*place]..self.cells[place + 1] - 1];
-            match plain(cell.trim_ascii()) {
-                Some(value) => column.push(value),
-                None => {
-                    values.iter_mut().for_each(|column| column.truncate(row));
-                    return false;
+        let (row, last) =
+            (values.first().map_or(0, Vec::len), self.columns.len().saturating_sub(1));
+        for (place, column) in self.columns.iter().enumerate() {
+            let rest = match column {
+                Some(column) => {
+                    let Some((value, rest)) = front(without_blanks(text, separator)) else { break };
+                    values[*column].push(value);
+                    without_blanks(rest, separator)
                 }
+                None => &text[text.iter().position(|b| *b == separator).unwrap_or(text.len())..],
+            };
+            match rest {
+                [] if place == last => return true,
+                [byte, rest @ ..] if *byte == separator && place < last => text = rest,
+                _ => break,
             }
         }
-        true
+        values.iter_mut().for_each(|column| column.truncate(row));
+        false
     }
 
     fn parse(&self, values: &mut [Vec<f64>]) -> Result<(), IoError> {
@@ -157,4 +162,16 @@ impl<'a> Blocks<'a> {
         }
         Ok(())
     }
+}
+
+/// `text` without the blanks at its front that do not separate cells.
+#[inline]
+fn without_blanks(mut text: &[u8], separator: u8) -> &[u8] {
+    while let [byte, rest @ ..] = text
+        && byte.is_ascii_whitespace()
+        && *byte != separator
+    {
+        text = rest;
+    }
+    text
 }

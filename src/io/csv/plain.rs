@@ -10,42 +10,54 @@ const EXACT: u64 = 1 << 53;
 /// Bytes of which a number with at most nineteen digits, which fit in 64 bits, consists.
 const LONGEST: usize = 19;
 
-/// The number that [`str::parse`] gives for digits with at most one point and a minus sign. `None` for any other
-/// notation, and for more digits than are exact.
+/// The number that [`str::parse`] gives for the digits at the front of `text`, with at most one point and a minus sign,
+/// and what follows them. `None` for any other notation, and for more digits than are exact.
 ///
 /// ```text
 /// digits / 10^decimals,   both exact, so that the quotient is rounded once
 /// ```
 /// Source: W. D. Clinger, How to read floating point numbers accurately (1990).
-pub(super) fn plain(text: &[u8]) -> Option<f64> {
-    let (is_negative, digits) = match text {
-        [b'-', digits @ ..] => (true, digits),
-        digits => (false, digits),
+#[inline]
+pub(super) fn front(text: &[u8]) -> Option<(f64, &[u8])> {
+    let (is_negative, number) = match text {
+        [b'-', number @ ..] => (true, number),
+        number => (false, number),
     };
-    if digits.len() > LONGEST {
-        return None;
-    }
-    let (mut whole, mut decimals, mut point) = (0_u64, 0, 0);
-    for byte in digits {
-        match byte {
-            b'0'..=b'9' => {
-                whole = 10 * whole + u64::from(byte - b'0');
-                decimals += point;
-            }
-            b'.' if point == 0 => point = 1,
-            _ => return None,
+    let (whole, rest) = digits(number, 0);
+    let (whole, decimals, point, rest) = match rest {
+        [b'.', fraction @ ..] => {
+            let (whole, rest) = digits(fraction, whole);
+            (whole, fraction.len() - rest.len(), 1, rest)
         }
-    }
-    if digits.len() == point || whole > EXACT {
+        rest => (whole, 0, 0, rest),
+    };
+    let length = number.len() - rest.len();
+    if length == point || length > LONGEST || whole > EXACT {
         return None;
     }
     let value = whole as f64 / TENS[decimals];
-    Some(if is_negative { -value } else { value })
+    Some((if is_negative { -value } else { value }, rest))
+}
+
+/// The whole number `whole` continued by the digits at the front of `text`, and what follows them; wrong for more than
+/// [`LONGEST`] of them.
+#[inline]
+fn digits(mut text: &[u8], mut whole: u64) -> (u64, &[u8]) {
+    while let [byte @ b'0'..=b'9', rest @ ..] = text {
+        whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+        text = rest;
+    }
+    (whole, text)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::plain;
+    use super::front;
+
+    /// The number of a text that consists of nothing else.
+    fn plain(text: &[u8]) -> Option<f64> {
+        front(text).filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
+    }
 
     #[test]
     fn plain_numbers_are_those_of_the_standard_library() {
