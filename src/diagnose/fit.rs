@@ -67,8 +67,8 @@ impl WindowFit {
 /// minimise ½ Σ_windows Σ_k (w(k) - ŵ(k; θ))²/s²
 /// covariance (m - 1)/m Σ_b δ_b δ_b',   δ_b = (H - H_b)⁻¹ g_b: change of the fit without window b of m, by one step
 /// ```
-/// A few windows, those with a stop or a reversal, determine the friction: the sandwich of the scores, which are smaller in the
-/// windows that decide, is too small.
+/// A few windows, those with a stop or a reversal, determine the friction: the sandwich of the scores, which are
+/// smaller in the windows that decide, is too small.
 ///
 /// Source of the covariance: Bell and McCaffrey, Survey Methodology 28 (2002), the jackknife by clusters.
 #[must_use]
@@ -127,10 +127,10 @@ pub(super) fn fit_within(
     cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
 }
 
-/// A fit to `windows` with standard errors that include the unknown input between its rows: the change of its parameter by
-/// omitting every other row of the input, the mean of both ways, by one step. That error does not appear in the residuals, since
-/// the parameters absorb it, and is independent of theirs. A held input is known between its rows; there the time of the input
-/// is wrong by the error of its interpolation.
+/// A fit to `windows` with standard errors that include the unknown input between its rows: the change of its parameter
+/// by omitting every other row of the input, the mean of both ways, by one step. That error does not appear in the
+/// residuals, since the parameters absorb it, and is independent of theirs. A held input is known between its rows;
+/// there the time of the input is wrong by the error of its interpolation.
 ///
 /// ```text
 /// se² + δθ²,   δθ = H⁻¹ (mean of the scores at half the rate - score)
@@ -185,8 +185,8 @@ fn by_time(information: &DMatrix<f64>, n: usize, late: f64) -> DVector<f64> {
     moved.insert_row(n, late)
 }
 
-/// Covariance of the free parameters from the sums of the windows over them; infinite where fewer windows than parameters, or
-/// a single window, determine a parameter.
+/// Covariance of the free parameters from the sums of the windows over them; infinite where fewer windows than
+/// parameters, or a single window, determine a parameter.
 fn covariance(sums: &[Sums]) -> DMatrix<f64> {
     let total: DMatrix<f64> = sums.iter().map(|s| &s.information).sum();
     let known = Information::new(&total);

@@ -78,8 +78,9 @@ impl Judge {
         Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
     }
 
-    /// Whether the effect `id` of a fit changes the judged simulations. A limit of the input that the judged recordings do not
-    /// reach may lower their error through the other parameters alone, which the recordings that reach it have biased.
+    /// Whether the effect `id` of a fit changes the judged simulations. A limit of the input that the judged recordings
+    /// do not reach may lower their error through the other parameters alone, which the recordings that reach it have
+    /// biased.
     #[must_use]
     pub fn acts(&self, fit: &WindowFit, id: &str) -> bool {
         let Some(e) = fit.place_of(id) else { return false };
@@ -210,9 +211,9 @@ impl Judge {
         self.recordings.iter().map(Recording::top_speed).fold(0.0, f64::max)
     }
 
-    /// What the last model of a diagnosis leaves on the training recordings of `likelihood` and, if other ones are `held_out`,
-    /// on those that are judged. Its structure may be visible only on the recordings that were not fitted: if the training
-    /// data contain one kind of motion only, the parameters absorb the effect.
+    /// What the last model of a diagnosis leaves on the training recordings of `likelihood` and, if other ones are
+    /// `held_out`, on those that are judged. Its structure may be visible only on the recordings that were not fitted:
+    /// if the training data contain one kind of motion only, the parameters absorb the effect.
     ///
     /// # Errors
     /// If the filter cannot run.

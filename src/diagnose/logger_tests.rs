@@ -8,6 +8,7 @@ use super::{held_input, more_likely_logging, speed_filter, timing};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
+use crate::model::base::{A1, A4};
 use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, simulate};
@@ -48,12 +49,13 @@ fn stepped(
     Recording::new("stepped", channels, DriveUnit::NewtonMetre).unwrap()
 }
 
-/// 30 s at 100 Hz of the AmigoBot, whose friction is three times as large at rest as at speed, with a Stribeck speed of 2 rad/s, under torques that rise slowly from
-/// zero until the wheels have broken away, and then fall, with noise of 0.01 rad/s.
+/// 30 s at 100 Hz of the AmigoBot, whose friction is three times as large at rest as at speed, with a Stribeck speed of
+/// 2 rad/s, under torques that rise slowly from zero until the wheels have broken away, and then fall, with noise of
+/// 0.01 rad/s.
 fn breaking_away() -> Recording {
     let model = Model::with_effects(Robot::amigobot(), &["stribeck"]).unwrap();
     let mut p = model.initial();
-    let level = p[3];
+    let level = p[A4];
     p[5..].copy_from_slice(&[2.0 * level, 2.0, 0.0, 1.0]);
     let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
     let at = |t: &f64| {
@@ -140,7 +142,7 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     let first = started(&model, &mut recording);
     let held = held_input(&model, &first, &[&recording]).unwrap();
     // the balance of torques a row late is off by more
-    let off = |p: &[f64]| (p[0] / truth[0] - 1.0).abs();
+    let off = |p: &[f64]| (p[A1] / truth[A1] - 1.0).abs();
     assert!(off(&held) < 0.03 && off(&first) > 2.0 * off(&held), "{held:?} {first:?}");
     let found = timing(&model, &held, &[&recording], Hold::Constant).unwrap();
     let row = recording.step();

@@ -28,18 +28,19 @@ pub struct Logging {
     pub p: Vec<f64>,
 }
 
-/// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold` and the speeds
-/// are those of the wheels: averages of the speeds over the rows (not of `recordings` with angles), and, where
-/// `steps` allows it for an input that the file describes as held, changes of the input between the rows. This is asked where a model at
-/// `p` does not explain the motion within noise, or is late; `None` otherwise.
+/// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold`
+/// and the speeds are those of the wheels: averages of the speeds over the rows (not of `recordings` with angles), and,
+/// where `steps` allows it for an input that the file describes as held, changes of the input between the rows. This is
+/// asked where a model at `p` does not explain the motion within noise, or is late; `None` otherwise.
 ///
 /// ```text
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
 /// ```
-/// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time of the input.
-/// If the account given is as likely with an effect of the catalogue, other than a second body or a delay, the two are compared again with the
-/// likeliest of these in the model: a lag shows itself at the steps too, and friction that is larger at rest makes speeds late.
-/// Recordings with no more windows than parameters follow any account, and show none.
+/// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time
+/// of the input. If the account given is as likely with an effect of the catalogue, other than a second body or a
+/// delay, the two are compared again with the likeliest of these in the model: a lag shows itself at the steps too, and
+/// friction that is larger at rest makes speeds late. Recordings with no more windows than parameters follow any
+/// account, and show none.
 #[must_use]
 pub fn more_likely_logging(
     model: &Model,
@@ -73,8 +74,8 @@ struct Account {
 }
 
 impl Account {
-    /// Whether it is more likely than another, whose likelihood is given. The likelihood of an incomplete model counts by as much
-    /// less as its squared errors, `error` times noise, are larger than noise.
+    /// Whether it is more likely than another, whose likelihood is given. The likelihood of an incomplete model counts
+    /// by as much less as its squared errors, `error` times noise, are larger than noise.
     fn is_surer(&self, other: f64, error: f64) -> bool {
         self.likelihood - other > SURE * error.powi(2).max(1.0)
     }
@@ -94,7 +95,8 @@ impl<'a> Context<'a, '_> {
         timed(model, p, 0.0, self.recordings, hold, self.scale)
     }
 
-    /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count` parameters.
+    /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count`
+    /// parameters.
     fn averaged(&self, plain: &Timed, count: usize, hold: Hold) -> Option<Account> {
         let Self { model, recordings, scale, .. } = *self;
         let p = &plain.fit.p[..count];
@@ -141,8 +143,8 @@ impl<'a> Context<'a, '_> {
         between.map(|account| Account { error: given.error(), ..account }).or(averaged)
     }
 
-    /// The likeliest model with an effect of [`rivals`] with which the account given is about as likely as another one, with its
-    /// parameters.
+    /// The likeliest model with an effect of [`rivals`] with which the account given is about as likely as another one,
+    /// with its parameters.
     fn as_likely_with_effect(&self, account: &Account, hold: Hold) -> Option<(Model, Vec<f64>)> {
         let likelihood = |(model, p): (Model, Vec<f64>)| {
             let fit = self.timed(&model, &p, hold)?.fit;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::effects::{self, Change, Effect, ParameterKind, Scale};
 use crate::model::Model;
 
-/// The model near `p` with each effect of the catalogue that may make speeds late, from the middle of its shapes: all but a pure
-/// delay, which every fit contains, and a second body, whose fit is ten times as expensive.
+/// The model near `p` with each effect of the catalogue that may make speeds late, from the middle of its shapes: all
+/// but a pure delay, which every fit contains, and a second body, whose fit is ten times as expensive.
 pub(super) fn rivals(model: &Model, p: &[f64], scale: &Scale) -> Vec<(Model, Vec<f64>)> {
     let counts =
         |e: &Arc<dyn Effect>| !e.is_delay() && e.change() != Change::TwoMass && e.admissible(scale);

@@ -39,11 +39,12 @@ pub struct SpeedFilter {
 /// w = w_r + T w_r'          the model is fitted to w at every T
 /// e = w_r - F(w_simulated)  error of the comparison, F: the low-pass filter
 /// ```
-/// An average over the rows is inverted exactly, and its noise is then white again. The form with the smaller error is returned.
+/// An average over the rows is inverted exactly, and its noise is then white again. The form with the smaller error is
+/// returned.
 ///
 /// A lag of the input and one of the sensor commute in a linear system. Friction distinguishes them: after a low-pass
-/// filter of the sensor it appears delayed as well. Friction that is larger at rest makes speeds late too: if an effect of the
-/// catalogue explains the speeds significantly better, the filter must be found again with it in the model.
+/// filter of the sensor it appears delayed as well. Friction that is larger at rest makes speeds late too: if an effect
+/// of the catalogue explains the speeds significantly better, the filter must be found again with it in the model.
 #[must_use]
 pub fn speed_filter(
     model: &Model,
@@ -71,8 +72,8 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The model with the effect of the catalogue that explains the speeds as recorded best, if significantly better than the low-pass
-    /// does, with its parameters; `model` has `count`.
+    /// The model with the effect of the catalogue that explains the speeds as recorded best, if significantly better
+    /// than the low-pass does, with its parameters; `model` has `count`.
     fn better_effect(
         &self,
         model: &Model,
@@ -187,8 +188,9 @@ impl Search<'_, '_> {
         Some(SpeedFilter { low_pass, std_error_s, or_late: true })
     }
 
-    /// The time constant of least `score`, and the second derivative of that by the logarithm of the time constant. `None` without a
-    /// minimum inside the range; the longest time constants leave noise alone of the speeds, whose score says nothing.
+    /// The time constant of least `score`, and the second derivative of that by the logarithm of the time constant.
+    /// `None` without a minimum inside the range; the longest time constants leave noise alone of the speeds, whose
+    /// score says nothing.
     fn least(&self, score: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
         let first = THRESHOLDS.logging * self.scale.step;
         let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
@@ -242,8 +244,9 @@ impl Search<'_, '_> {
         }
     }
 
-    /// The likeliest average over the rows. Noise of the sensor that passed through an average is correlated from row to row, whatever the motion, and white before
-    /// it. `None` of recordings with angles, which determine a low-pass directly.
+    /// The likeliest average over the rows. Noise of the sensor that passed through an average is correlated from row
+    /// to row, whatever the motion, and white before it. `None` of recordings with angles, which determine a low-pass
+    /// directly.
     pub(super) fn most_likely(&self) -> Option<Averaged> {
         if self.recordings.iter().any(|r| r.measured().alpha) {
             return None;
@@ -257,7 +260,8 @@ impl Search<'_, '_> {
         Some(Averaged { low_pass: SpeedFilter { std_error_s, ..found.low_pass }, ..found })
     }
 
-    /// The recorded speeds y as averages over the rows of speeds x, with the model fitted to these. `None` where the robot would move before its input.
+    /// The recorded speeds y as averages over the rows of speeds x, with the model fitted to these. `None` where the
+    /// robot would move before its input.
     ///
     /// ```text
     /// ln p(y) = ln p(x) - n ln g,   x(k) = y(k-1) + (y(k) - y(k-1))/g,   n: number of speeds
@@ -279,9 +283,9 @@ impl Search<'_, '_> {
         causal.then_some(Averaged { low_pass, likelihood, p, error })
     }
 
-    /// Whether the recorded speeds are more likely behind a low-pass than without it, and than with each of the `late` actuators:
-    /// noise of the sensor, and a value that jumps within a row, pass through an average over the rows too. Noise may enter behind
-    /// a low-pass that is computed before the sampling; it is not asked.
+    /// Whether the recorded speeds are more likely behind a low-pass than without it, and than with each of the `late`
+    /// actuators: noise of the sensor, and a value that jumps within a row, pass through an average over the rows too.
+    /// Noise may enter behind a low-pass that is computed before the sampling; it is not asked.
     fn is_likely(&self, filter: LowPass, late: &[WindowFit]) -> bool {
         if filter.computed == Computed::Continuously {
             return true;
@@ -293,8 +297,9 @@ impl Search<'_, '_> {
     }
 
     /// Fits with each effect that delays the actuator, starting at about the time constant of the filter. As with the
-    /// low-pass filter, the shift of the input is estimated too, except with a delay, which is equivalent. The initial values are those found with the low-pass filter, because a fit to delayed speeds
-    /// attributes much of the delay to the inertia.
+    /// low-pass filter, the shift of the input is estimated too, except with a delay, which is equivalent. The initial
+    /// values are those found with the low-pass filter, because a fit to delayed speeds attributes much of the delay to
+    /// the inertia.
     pub(super) fn late_actuators(&self, filter: LowPass) -> Vec<WindowFit> {
         let before = self.before(filter);
         let found = self.fitted(&before).map_or_else(|| self.p.to_vec(), |behind| behind.fit.p);

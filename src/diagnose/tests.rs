@@ -8,6 +8,7 @@ use super::*;
 use crate::effects::Scale;
 use crate::identify::{Task, start};
 use crate::model::Model;
+use crate::model::base::{A1, A4};
 use crate::recording::{Channels, DriveUnit, Recording};
 use crate::robot::{Robot, State};
 use crate::simulate::{Hold, Input, Movement, NoiseLevel, Recorder, record, simulate};
@@ -57,7 +58,7 @@ fn the_gradient_of_the_windows_is_that_of_their_cost() {
         let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
         let mut p = model.initial();
         let windows = Windows::new(vec![&recording], Hold::Linear, &model, &p);
-        p[0] *= 1.02;
+        p[A1] *= 1.02;
         let free = model.free();
         let found = windows.quadratic(&model, &p, &free).unwrap();
         assert!((found.cost - windows.cost(&model, &p).unwrap()).abs() < 1e-9 * found.cost);
@@ -131,7 +132,7 @@ fn a_column_that_no_motion_of_the_robot_shows_is_left_out() {
 fn windows_that_hang_on_one_row_of_the_input_weigh_less() {
     let model = Model::base(Robot::amigobot());
     let p = model.initial();
-    let level = p[3];
+    let level = p[A4];
     // a second of driving, and one in which a single row breaks the wheels away from rest
     let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
     let torque = |k: usize| match k {

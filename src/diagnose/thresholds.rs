@@ -4,8 +4,8 @@ use crate::compare::{AT_FLOOR, REGIME_RATE};
 use crate::conditioning::DEAD_S;
 use crate::effects::SURELY;
 
-/// Limits of the diagnosis. All but `dead_s` are dimensionless. Those marked "judgement" are choices of what is worth reporting; the
-/// others follow from statistics, physics or measurements.
+/// Limits of the diagnosis. All but `dead_s` are dimensionless. Those marked "judgement" are choices of what is worth
+/// reporting; the others follow from statistics, physics or measurements.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Thresholds {
     /// Smallest reduction of the held-out error, as a share, by an effect that is named (judgement: a smaller one is no
@@ -40,8 +40,9 @@ pub struct Thresholds {
     /// Smallest -ln p of the strongest dependence of the residual torque that counts as structure: a chance of one
     /// in ten million for a single test, so that about a hundred tests (bins and variables) cause no false alarm.
     pub structure: f64,
-    /// Smallest -ln p of a dependence of the residual torque, with blocks of 1 s as the independent values, for which coloured
-    /// noise of the input is no explanation: with about thirty curves such noise exceeds it once in a thousand recordings.
+    /// Smallest -ln p of a dependence of the residual torque, with blocks of 1 s as the independent values, for which
+    /// coloured noise of the input is no explanation: with about thirty curves such noise exceeds it once in a thousand
+    /// recordings.
     pub structure_of_blocks: f64,
     /// Smallest share of the residual torque that a variable must explain to be named (judgement).
     pub named_share: f64,

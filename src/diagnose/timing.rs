@@ -62,10 +62,10 @@ impl Timing {
     }
 }
 
-/// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of
-/// the torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where the
-/// motion does not carry it, where it began earlier after a step from rest, or where a model above the floor of noise is simulated
-/// best outside the range.
+/// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of the
+/// torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where
+/// the motion does not carry it, where it began earlier after a step from rest, or where a model above the floor of
+/// noise is simulated best outside the range.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
 /// speed; a simulation stops and breaks away by itself.
@@ -167,9 +167,9 @@ impl ShiftFit {
         self.shift.is_some_and(|(shift, error)| shift - THRESHOLDS.uncertain * error > logging)
     }
 
-    /// The shift by all windows, or that by the `moving` wheels alone if they contradict it: friction that is larger at rest
-    /// than in motion delays the onset, not the motion. Without a shift by these, one of a model above the floor of noise is not
-    /// determined.
+    /// The shift by all windows, or that by the `moving` wheels alone if they contradict it: friction that is larger at
+    /// rest than in motion delays the onset, not the motion. Without a shift by these, one of a model above the floor
+    /// of noise is not determined.
     fn without_breakaway(self, moving: Option<Self>) -> Self {
         let by_moving = moving.and_then(|fit| Some((fit, fit.shift?)));
         match (by_moving, self.shift) {
@@ -185,8 +185,8 @@ impl ShiftFit {
     }
 }
 
-/// The shift by all windows of recordings from the best of some `starts`, and if that is later than logging explains by those of
-/// wheels in motion.
+/// The shift by all windows of recordings from the best of some `starts`, and if that is later than logging explains by
+/// those of wheels in motion.
 fn in_simulation(
     model: &Model,
     p: &[f64],
@@ -280,8 +280,8 @@ impl Timed<'_> {
     }
 }
 
-/// Log-likelihood of whole `recordings` under a fit, with their input at its time; an input that is held changes at the rows,
-/// another one at uniformly distributed times in them.
+/// Log-likelihood of whole `recordings` under a fit, with their input at its time; an input that is held changes at the
+/// rows, another one at uniformly distributed times in them.
 pub(super) fn log_likelihood(
     fit: &WindowFit,
     recordings: &[&Recording],

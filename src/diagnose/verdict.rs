@@ -55,9 +55,9 @@ impl Errors {
             .map_or(0.0, |whole| ((after - self.floor) / whole).clamp(0.0, 1.0))
     }
 
-    /// Whether the recordings are too steady for any conclusion: a model of constant speeds, of squared error `change`, would be
-    /// called useful, and of its error above the floor the last model removes less than half. A flywheel, which keeps its
-    /// speed whatever acts on it, simulates such recordings as well as any robot.
+    /// Whether the recordings are too steady for any conclusion: a model of constant speeds, of squared error `change`,
+    /// would be called useful, and of its error above the floor the last model removes less than half. A flywheel,
+    /// which keeps its speed whatever acts on it, simulates such recordings as well as any robot.
     #[must_use]
     pub fn are_of_steady_speeds(&self, change: f64) -> bool {
         let steady = change <= THRESHOLDS.useful.powi(2) * self.speed;
@@ -152,16 +152,16 @@ pub fn structure(left: &UnexplainedTorque) -> Option<&Dependence> {
     left.dependences.iter().find(counts)
 }
 
-/// Whether the binned residual torque depends as significantly on a variable too: on one that feedback control does not make
-/// respond to every disturbance, and not on time alone, as a disturbance or coloured noise of the input would. The score test
-/// assumes the spectrum of the noise that the likelihood finds; with another one its statistic is too large.
+/// Whether the binned residual torque depends as significantly on a variable too: on one that feedback control does not
+/// make respond to every disturbance, and not on time alone, as a disturbance or coloured noise of the input would. The
+/// score test assumes the spectrum of the noise that the likelihood finds; with another one its statistic is too large.
 #[must_use]
 pub fn structured(curves: &[Curve]) -> bool {
     curves.iter().filter(is_of_robot).any(|curve| curve.log_significance > THRESHOLDS.structure)
 }
 
-/// The variable of [`structured`] on which the binned residual torque depends most significantly, if more than coloured noise
-/// of the input can: its values are correlated within a block of 1 s, and those of the blocks are not.
+/// The variable of [`structured`] on which the binned residual torque depends most significantly, if more than coloured
+/// noise of the input can: its values are correlated within a block of 1 s, and those of the blocks are not.
 #[must_use]
 pub fn structured_by_blocks(curves: &[Curve]) -> Option<Variable> {
     let significant = curves.iter().filter(is_of_robot).map(|c| (c.clustered_significance(), c));
@@ -169,8 +169,8 @@ pub fn structured_by_blocks(curves: &[Curve]) -> Option<Variable> {
     (most.0 > THRESHOLDS.structure_of_blocks).then_some(most.1.variable)
 }
 
-/// Whether a curve is over a variable that feedback control does not make respond to every disturbance, and not a torque over
-/// time alone, as a disturbance or coloured noise of the input would be.
+/// Whether a curve is over a variable that feedback control does not make respond to every disturbance, and not a
+/// torque over time alone, as a disturbance or coloured noise of the input would be.
 fn is_of_robot(curve: &&Curve) -> bool {
     let disturbance = curve.variable == Variable::Time && curve.acting == Acting::Torque;
     !curve.variable.answers() && !disturbance
@@ -200,11 +200,11 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 /// Concludes from the number of effects found, the errors, and the share of the squared error that would
 /// remain with a likely effect (1 without one).
 ///
-/// If the error is above the floor, the effects found or likely must explain the larger part of it, and the
-/// model with the effects found must be useful. Otherwise something unknown is missing, if the residual
-/// torque shows `structure` or the error is far above the floor, which is itself an estimate, and if neither the
-/// unknown input between the rows nor the uncertainty of the parameters can cause it. If slow noise of the input dominates the floor, structure
-/// is no evidence, because its test treats rows as independent.
+/// If the error is above the floor, the effects found or likely must explain the larger part of it, and the model with
+/// the effects found must be useful. Otherwise something unknown is missing, if the residual torque shows `structure`
+/// or the error is far above the floor, which is itself an estimate, and if neither the unknown input between the rows
+/// nor the uncertainty of the parameters can cause it. If slow noise of the input dominates the floor, structure is no
+/// evidence, because its test treats rows as independent.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
     let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
@@ -223,8 +223,8 @@ pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: b
     }
 }
 
-/// Whether simulation is no better with a candidate: over the windows that were fitted, by their criterion, or by the reported
-/// error, which it `raises`.
+/// Whether simulation is no better with a candidate: over the windows that were fitted, by their criterion, or by the
+/// reported error, which it `raises`.
 #[must_use]
 pub fn is_refuted(candidate: &Ranked, raises: bool) -> bool {
     raises || !(candidate.bic_windows < 0.0)

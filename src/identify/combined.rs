@@ -7,14 +7,14 @@ use crate::effects::{DIRECTIONS, along};
 use crate::math::sgn;
 use crate::model::SpeedPolynomial;
 
-/// Number of quantities: one, w1, w2, (w1 - w2) w1, (w1 - w2) w2, w1 w2, the signs along the four directions of dry friction,
-/// and the two accelerations.
+/// Number of quantities: one, w1, w2, (w1 - w2) w1, (w1 - w2) w2, w1 w2, the signs along the four directions of dry
+/// friction, and the two accelerations.
 const QUANTITIES: usize = 12;
 /// Columns in a register.
 pub(super) const TOGETHER: usize = 4;
 
-/// The columns of wheel 1, then those of wheel 2, in groups of [`TOGETHER`]; the last of each wheel is the part with all linear
-/// parameters at zero, with the opposite sign, as it stands on the side of the input.
+/// The columns of wheel 1, then those of wheel 2, in groups of [`TOGETHER`]; the last of each wheel is the part with
+/// all linear parameters at zero, with the opposite sign, as it stands on the side of the input.
 pub(super) struct Combined {
     /// Factors of the quantities that occur in a group.
     groups: Vec<Vec<(usize, f64x4)>>,

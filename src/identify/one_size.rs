@@ -86,16 +86,16 @@ fn one_magnitude(train: &[Recording]) -> bool {
     })
 }
 
-/// The model of a task with dry friction held at zero where its voltages, of the [`acting_sizes`], cannot determine it, and the
-/// places of that friction.
+/// The model of a task with dry friction held at zero where its voltages, of the [`acting_sizes`], cannot determine it,
+/// and the places of that friction.
 pub(super) fn frictionless(task: &Task, sizes: [Option<f64>; 2]) -> Option<(Model, Vec<usize>)> {
     let is_one = are_voltages(task.train) && has_one(&sizes);
     is_one.then(|| held_at_zero(task, sizes)).flatten()
 }
 
-/// The same model, with a start, if the voltages have one size at some time up to `latest` seconds after their rows, as commands
-/// of a motor controller have. With such an input and that time the balance of torques is exact for any motion, and would
-/// determine the time.
+/// The same model, with a start, if the voltages have one size at some time up to `latest` seconds after their rows, as
+/// commands of a motor controller have. With such an input and that time the balance of torques is exact for any
+/// motion, and would determine the time.
 pub(crate) fn frictionless_start(task: &Task, latest: f64) -> Option<(Model, Vec<f64>)> {
     if !are_voltages(task.train) {
         return None;
@@ -123,9 +123,9 @@ pub(crate) fn start_without_friction(task: &Task) -> Option<Vec<f64>> {
 }
 
 impl Fit {
-    /// The same with dry friction marked as not identifiable where the input has one of these `sizes` and the fit does not hold it,
-    /// as large as that size or with an unknown share of it. Where that holds for both wheels the scale of all other
-    /// parameters is unknown too.
+    /// The same with dry friction marked as not identifiable where the input has one of these `sizes` and the fit does
+    /// not hold it, as large as that size or with an unknown share of it. Where that holds for both wheels the scale of
+    /// all other parameters is unknown too.
     pub(super) fn under_one_size(mut self, sizes: [Option<f64>; 2]) -> Self {
         let is_held = |symbol: &str| {
             let held = |n: &Note| matches!(n, Note::Unknown { unknown: Unknown::Held(s, _), .. } if s == symbol);

@@ -249,8 +249,8 @@ mod tests {
             let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
             let fit = OutputError::default().identify(&task).unwrap();
             assert_eq!(fit.status, Status::Converged);
-            // four to eight steps, seventeen for one of these; with an initial speed that friction holds, but whose derivatives
-            // go on, a third of them ended at the limit of sixty
+            // four to eight steps, seventeen for one of these; with an initial speed that friction holds, but whose
+            // derivatives go on, a third of them ended at the limit of sixty
             assert!(fit.work.iterations <= 25, "{seed}: {}", fit.work.iterations);
             // ten times what the input between the rows changes
             assert!((fit.estimates[A1].value / truth[A1] - 1.0).abs() < 1e-3, "{seed}");

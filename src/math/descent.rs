@@ -101,8 +101,8 @@ const MAX_DAMPING: f64 = 1e12;
 const FIRST_FACTOR: f64 = 2.0;
 /// Number of consecutive accepted steps with a negligible decrease of the cost after which the descent ends.
 const IDLE: usize = 2;
-/// Least ratio of the actual to the predicted decrease of a step, and largest ratio of the next predicted decrease to it, for
-/// decreases to be extrapolated: the descent then converges at least linearly, by that ratio.
+/// Least ratio of the actual to the predicted decrease of a step, and largest ratio of the next predicted decrease to
+/// it, for decreases to be extrapolated: the descent then converges at least linearly, by that ratio.
 const AS_PREDICTED: f64 = 0.9;
 const FAST: f64 = 0.1;
 /// Relative ridge that keeps the factorisation positive definite along directions without curvature.
@@ -276,8 +276,8 @@ where
 }
 
 impl<E, C> Descent<'_, E, C> {
-    /// Decrease of the cost that is left after a step that promises one, if decreases shrink further by the same ratio; infinite
-    /// if they do not shrink fast.
+    /// Decrease of the cost that is left after a step that promises one, if decreases shrink further by the same ratio;
+    /// infinite if they do not shrink fast.
     fn leaves(&self, promise: f64) -> f64 {
         if promise <= FAST * self.fallen { promise * promise / self.fallen } else { f64::INFINITY }
     }

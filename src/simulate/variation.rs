@@ -10,8 +10,8 @@ use crate::effects::{DIRECTIONS, along};
 use crate::math::in_lanes;
 use crate::model::{Linearisation, ModelError, times};
 
-/// Share of its friction below which a direction counts as held at the start of a simulation: a small speed along it then ends
-/// within a few rows. Nearer to breakaway it may last until then, and its derivatives go on.
+/// Share of its friction below which a direction counts as held at the start of a simulation: a small speed along it
+/// then ends within a few rows. Nearer to breakaway it may last until then, and its derivatives go on.
 const FIRM: f64 = 0.5;
 
 /// The present sensitivities. Their columns are the parameters, the initial speeds and the initial angles: if

@@ -96,8 +96,8 @@ pub struct DiagnosisStudy {
     pub withheld: Option<(UnprovenEffect, Withheld)>,
     /// How the recordings were logged.
     pub logging: Logging,
-    /// A method whose fit of the model as given is at the noise floor, where that of the diagnosis is not although nothing is
-    /// missing.
+    /// A method whose fit of the model as given is at the noise floor, where that of the diagnosis is not although
+    /// nothing is missing.
     pub at_floor: Option<MethodAtFloor>,
     /// A parameter of the last model that differs between the recordings.
     pub differs: Option<Difference>,

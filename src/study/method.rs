@@ -98,9 +98,9 @@ impl MethodStudy {
     }
 
     /// Whether the columns do not determine the model: the descent stalled without an identifiable inertia, or no
-    /// parameter of the base model is identifiable, nor a combination of the inertias (of a single axis: any combination). The
-    /// simulation error of such a fit may still be small, for example with a huge inertia if a nearly constant column is used as
-    /// a speed.
+    /// parameter of the base model is identifiable, nor a combination of the inertias (of a single axis: any
+    /// combination). The simulation error of such a fit may still be small, for example with a huge inertia if a nearly
+    /// constant column is used as a speed.
     #[must_use]
     pub fn is_undetermined(&self) -> bool {
         let is_open = |j: usize| self.estimates.get(j).is_some_and(|e| !e.identifiable && !e.fixed);

@@ -94,9 +94,9 @@ pub struct UnprovenEffect {
     pub crossed: bool,
 }
 
-/// Ratio of error to floor below which the floor is an upper bound of the effects of noise and of the input between its rows,
-/// not an estimate: it is higher than the error by more than its own uncertainty, as an error is at the floor up to 1.2
-/// times the floor.
+/// Ratio of error to floor below which the floor is an upper bound of the effects of noise and of the input between its
+/// rows, not an estimate: it is higher than the error by more than its own uncertainty, as an error is at the floor up
+/// to 1.2 times the floor.
 pub const FAR_BELOW_FLOOR: f64 = 1.0 / THRESHOLDS.at_floor;
 
 /// Grade of a model.

@@ -75,11 +75,12 @@ impl Search<'_> {
         (self.pruned(base, steps), rankings)
     }
 
-    /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and whose
-    /// reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
-    /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a simpler
-    /// effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if the input between
-    /// the rows leaves its size open, the first later one is taken that has a size and is hardly less probable.
+    /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and
+    /// whose reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
+    /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a
+    /// simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if
+    /// the input between the rows leaves its size open, the first later one is taken that has a size and is hardly less
+    /// probable.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));

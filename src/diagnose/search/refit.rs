@@ -123,8 +123,9 @@ impl Search<'_> {
         fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// Initial values estimated with the input changed by `shape`: in a fit without it the other parameters
-    /// compensate for it (a long lag and a limit of the torque resemble inertia), and a descent from there ends in another minimum.
+    /// Initial values estimated with the input changed by `shape`: in a fit without it the other parameters compensate
+    /// for it (a long lag and a limit of the torque resemble inertia), and a descent from there ends in another
+    /// minimum.
     fn anew(&self, model: &Model, shape: &Candidate) -> Option<Vec<f64>> {
         let first = model.parameters().len() - shape.p.len();
         let own = shape.p.iter().enumerate();

@@ -105,15 +105,15 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the step and all steps up to it are proven by held-out windows, in which its effect acts, and the effect differs
-    /// from zero.
+    /// Whether the step and all steps up to it are proven by held-out windows, in which its effect acts, and the effect
+    /// differs from zero.
     fn stands(&self, step: &Step) -> bool {
         let proven = self.passes(&step.last) && self.passes(&step.total);
         proven && has_size(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
     }
 
-    /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of a change of
-    /// a torque also those of the unknown input between the rows.
+    /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of
+    /// a change of a torque also those of the unknown input between the rows.
     pub(super) fn is_sized(&self, fit: &WindowFit, id: &str) -> bool {
         let change = fit.place_of(id).map(|e| fit.model.effects()[e].change());
         let is_shift = change == Some(Change::TimeShift);
@@ -329,9 +329,9 @@ fn is_later(before: &WindowFit, after: &WindowFit) -> bool {
     shifts(&after.model).count() > shifts(&before.model).count()
 }
 
-/// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters differs from
-/// zero, by its 95 % interval: an effect that the training recordings do not show may lower the held-out error by accident.
-/// Recordings with fewer windows than parameters do not give the error of a time.
+/// Whether a linear parameter of an effect, the time of a shift, or a shape of an effect without linear parameters
+/// differs from zero, by its 95 % interval: an effect that the training recordings do not show may lower the held-out
+/// error by accident. Recordings with fewer windows than parameters do not give the error of a time.
 pub(super) fn has_size(fit: &WindowFit, id: &str) -> bool {
     let Some(e) = fit.place_of(id) else { return false };
     let (effect, slots) = (&fit.model.effects()[e], fit.model.slots(e));

@@ -6,7 +6,7 @@ use super::*;
 fn with_inertia(factor: f64, seed: u64) -> Recording {
     let model = Model::base(Robot::amigobot());
     let mut p = model.initial();
-    p[0] *= factor;
+    p[A1] *= factor;
     let movement = Movement::rich(model.robot(), seed, 15.0, 12.0);
     let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise: NOISE, ticks: None, seed };
     record(&format!("run{seed}"), &model, &p, &movement, &recorder).unwrap()

@@ -1,17 +1,18 @@
 //! Derivatives of rows in which the simulated speed depends on the parameters beyond any linear range.
 //!
-//! A wheel at rest breaks away when the driving torque exceeds its friction. If the torque increases slowly then, the time of this
-//! depends on the parameters without limit, and the derivatives of all later rows with it:
+//! A wheel at rest breaks away when the driving torque exceeds its friction. If the torque increases slowly then, the
+//! time of this depends on the parameters without limit, and the derivatives of all later rows with it:
 //!
 //! ```text
 //! dt/dp = -(∂g/∂p)/(dg/dt),   g: driving torque less friction
 //! ```
-//! A single such window would dominate the sums of all others, although its errors are linear only for the smallest of changes.
+//! A single such window would dominate the sums of all others, although its errors are linear only for the smallest of
+//! changes.
 
 use super::window::See;
 
-/// Largest response of a speed to a relative change of a parameter that is taken as linear, in top speeds: beyond it a change
-/// by 1 %, an ordinary uncertainty, would change the speed by its whole range.
+/// Largest response of a speed to a relative change of a parameter that is taken as linear, in top speeds: beyond it a
+/// change by 1 %, an ordinary uncertainty, would change the speed by its whole range.
 const MOST_RESPONSE: f64 = 100.0;
 
 /// Parameters in units of the largest linear response of a speed to them.
@@ -44,8 +45,8 @@ impl Linear {
         }
     }
 
-    /// Factor on the derivatives `psi` of a speed: one in the linear range, and beyond it such that the row counts the less the
-    /// farther it is from linear.
+    /// Factor on the derivatives `psi` of a speed: one in the linear range, and beyond it such that the row counts the
+    /// less the farther it is from linear.
     ///
     /// ```text
     /// min(1, 1/ρ²),   ρ² = Σ (ψ_j p_j)² / (MOST_RESPONSE top speed)²

@@ -24,11 +24,11 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Fixes, one after the other, parameters whose estimates would be misleading ([`least_known`]): the others may then
-    /// be identifiable. An inertia of turning that is smaller than that of any robot is misleading too: with a torque that
-    /// is missing in the model, small differences between the wheels of a robot that drives straight make it vanish. Then
-    /// a2 and a3 have the ratio to a1 + a2 that they have in the construction data. The friction of a wheel, which those do not
-    /// contain, is the typical one or that of `start`, whichever simulates better over 2 s.
+    /// Fixes, one after the other, parameters whose estimates would be misleading ([`least_known`]): the others may
+    /// then be identifiable. An inertia of turning that is smaller than that of any robot is misleading too: with a
+    /// torque that is missing in the model, small differences between the wheels of a robot that drives straight make
+    /// it vanish. Then a2 and a3 have the ratio to a1 + a2 that they have in the construction data. The friction of a
+    /// wheel, which those do not contain, is the typical one or that of `start`, whichever simulates better over 2 s.
     pub(super) fn of(
         task: &Task,
         filter: &HorizonFilter,
