@@ -10,11 +10,13 @@ use super::input::speeds;
 use crate::math::interpolate;
 
 /// Ratio to the largest of the other values above which a sample is far beyond all, the largest share of such samples,
-/// and the most of them in a row.
+/// and the most of them in a row (judgement: a signal passes through the values below its largest ones; a value that
+/// marks another one as missing leaves all between them out, and is the exception among the rows).
 const BEYOND: f64 = 20.0;
 const MARKED: f64 = 0.05;
 const RUN: usize = 2;
-/// Ratio of the change of speed by a sample far beyond all to any other, from which the wheel responded to it.
+/// Ratio of the change of speed by a sample far beyond all to any other, from which the wheel responded to it
+/// (judgement: a torque that is twenty times larger for one row changes the speed by far more, noise by no more).
 const FELT: f64 = 2.0;
 
 /// Largest delay of the response of a wheel in rows.

@@ -15,7 +15,8 @@ const SPARSE: f64 = 0.05;
 /// late, or a few that came in another order, do not repeat that often.
 const RESTARTED: usize = 10;
 
-/// Share of the steps of time that are negative, from which on the newest row is first.
+/// Share of the steps of time that are negative, from which on the newest row is first (judgement: a log in its order
+/// has few, one that was written backward has hardly any others).
 const FALLING: f64 = 0.95;
 
 /// Turns the rows round where the newest is first.

@@ -68,14 +68,8 @@ impl Judge {
         };
         let each = self.recordings.par_iter().map(one);
         let errors: Vec<(f64, f64)> = each.collect::<Result<_, SimulateError>>()?;
-        let (mut total, mut sum, mut samples) = (0.0, 0.0, 0.0);
-        for (recording, (ise, window_rms)) in self.recordings.iter().zip(errors) {
-            let count = recording.len() as f64;
-            total += ise;
-            sum += count * window_rms.powi(2);
-            samples += count;
-        }
-        Ok(Judgement { ise: total, window_rms: (sum / samples).sqrt() })
+        let square = self.mean_square(errors.iter().map(|(_, window_rms)| *window_rms));
+        Ok(Judgement { ise: errors.iter().map(|(ise, _)| ise).sum(), window_rms: square.sqrt() })
     }
 
     /// Whether the effect `id` of a fit changes the judged simulations. A limit of the input that the judged recordings
@@ -198,11 +192,17 @@ impl Judge {
     /// Mean square change of a speed within the windows [rad^2/s^2]: the squared error of constant speeds.
     #[must_use]
     pub fn change(&self) -> f64 {
-        let squares = self.recordings.iter().map(|r| {
-            let samples = r.len() as f64;
-            (samples, samples * persistence_rms(r, self.hold).powi(2))
-        });
-        let (samples, sum) = squares.fold((0.0, 0.0), |(n, s), (m, square)| (n + m, s + square));
+        self.mean_square(self.recordings.iter().map(|r| persistence_rms(r, self.hold)))
+    }
+
+    /// Mean square over the rows of all recordings of errors of which the root mean square of each is given.
+    fn mean_square(&self, rms: impl Iterator<Item = f64>) -> f64 {
+        let (mut sum, mut samples) = (0.0, 0.0);
+        for (recording, rms) in self.recordings.iter().zip(rms) {
+            let count = recording.len() as f64;
+            sum += count * rms.powi(2);
+            samples += count;
+        }
         sum / samples
     }
 

@@ -30,7 +30,7 @@ pub(super) fn latest_dead_time(recordings: &[&Recording]) -> Option<f64> {
 /// Times from the last row without input of wheel `i` to its onset \[s\].
 fn onsets(r: &Recording, piece: &Range<usize>, i: usize) -> Vec<f64> {
     let (t, torque) = (r.t(), r.torque());
-    let range = quantile(r.torque().iter().map(|m| m[i].abs()), 0.99);
+    let range = range(r, i);
     let none = |k: usize| torque[k].iter().all(|m| m.abs() <= NONE * range);
     let starts = (piece.start + REST..piece.end)
         .filter(|&k| torque[k][i].abs() > STEP * range && (k - REST..k).all(none));
@@ -55,18 +55,16 @@ fn motion(r: &Recording, i: usize, from: usize, k: usize) -> f64 {
 
 /// The smallest [`motion`] that is not noise.
 fn smallest_motion(r: &Recording, i: usize) -> f64 {
-    let noise = r.motion_noise();
-    if r.measured().omega {
-        (SURE * noise.omega[i]).max(MOVES * r.top_speed())
-    } else {
-        SURE * 2.0_f64.sqrt() * noise.alpha[i]
+    match r.measured().omega {
+        true => smallest_speed(r, i),
+        false => SURE * 2.0_f64.sqrt() * r.motion_noise().alpha[i],
     }
 }
 
 /// The rows of a recording without those in which a wheel rests under an input of its own: what is needed to break away is
 /// not the friction of a moving wheel. Parts of a piece; those too short for a window are left to the caller.
 pub(super) fn in_motion(r: &Recording) -> Vec<Range<usize>> {
-    let limits = [0, 1].map(|i| (none(r, i), smallest_speed(r, i)));
+    let limits = [0, 1].map(|i| (NONE * range(r, i), smallest_speed(r, i)));
     let speed =
         |k: usize| if r.measured().omega { r.omega()[k] } else { r.local_motion()[k].omega };
     let held = |k: &usize| {
@@ -81,9 +79,9 @@ pub(super) fn in_motion(r: &Recording) -> Vec<Range<usize>> {
     r.pieces().iter().flat_map(parts).collect()
 }
 
-/// Input of wheel `i` that counts as none.
-fn none(r: &Recording, i: usize) -> f64 {
-    NONE * quantile(r.torque().iter().map(|m| m[i].abs()), 0.99)
+/// Range of the input of wheel `i`, without its largest values.
+fn range(r: &Recording, i: usize) -> f64 {
+    quantile(r.torque().iter().map(|m| m[i].abs()), 0.99)
 }
 
 /// The smallest speed of wheel `i` that is not noise \[rad/s\].

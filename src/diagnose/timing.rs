@@ -57,9 +57,13 @@ impl Timing {
     #[must_use]
     pub fn agrees_with(&self, other_s: f64, std_error_s: f64) -> bool {
         let own = if std_error_s.is_finite() { std_error_s } else { 0.0 };
-        let error = self.std_error_s.hypot(own);
-        (other_s - self.dead_time_s).abs() <= THRESHOLDS.uncertain * error
+        agree((self.dead_time_s, self.std_error_s), (other_s, own))
     }
+}
+
+/// Whether two values differ by no more than the uncertainty of their difference, each with its standard error.
+fn agree((one, its_error): (f64, f64), (other, other_error): (f64, f64)) -> bool {
+    (one - other).abs() <= THRESHOLDS.uncertain * its_error.hypot(other_error)
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of the
@@ -171,16 +175,11 @@ impl ShiftFit {
     /// rest than in motion delays the onset, not the motion. Without a shift by these, one of a model above the floor
     /// of noise is not determined.
     fn without_breakaway(self, moving: Option<Self>) -> Self {
-        let by_moving = moving.and_then(|fit| Some((fit, fit.shift?)));
-        match (by_moving, self.shift) {
-            (Some((_, (shift, error))), Some((all, own)))
-                if (all - shift).abs() <= THRESHOLDS.uncertain * own.hypot(error) =>
-            {
-                self
-            }
-            (Some((fit, _)), _) => fit,
-            (None, _) if self.error > THRESHOLDS.above_floor => Self { shift: None, ..self },
-            _ => self,
+        match (self.shift, moving.filter(|fit| fit.shift.is_some())) {
+            (Some(all), Some(fit)) if fit.shift.is_some_and(|moving| agree(all, moving)) => self,
+            (_, Some(fit)) => fit,
+            (_, None) if self.error > THRESHOLDS.above_floor => Self { shift: None, ..self },
+            (_, None) => self,
         }
     }
 }
@@ -357,8 +356,9 @@ fn moving_windows<'a>(
     recordings: &[&'a Recording],
     hold: Hold,
 ) -> Option<Windows<'a>> {
-    let all = recordings.iter().all(|r| in_motion(r) == r.pieces());
-    let windows = || Windows::of_rows(recordings.to_vec(), hold, (model, p), in_motion);
+    let rows: Vec<_> = recordings.iter().map(|r| in_motion(r)).collect();
+    let all = recordings.iter().zip(&rows).all(|(r, rows)| rows == r.pieces());
+    let windows = || Windows::of_rows(recordings.to_vec(), hold, (model, p), &rows);
     (!all).then(|| some(windows(), model, p))
 }
 

@@ -55,20 +55,21 @@ impl<'a> Windows<'a> {
     /// recorded input spreads into the simulated speed.
     #[must_use]
     pub fn new(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
-        Self::of_rows(recordings, hold, (model, p), |r| r.pieces().to_vec())
+        let rows: Vec<_> = recordings.iter().map(|r| r.pieces().to_vec()).collect();
+        Self::of_rows(recordings, hold, (model, p), &rows)
     }
 
-    /// The same over parts of the recordings only, of which `rows` gives the ranges; each of them lies in one piece.
+    /// The same over parts of the recordings only, the ranges `rows` of each; each range lies in one piece.
     pub(super) fn of_rows(
         recordings: Vec<&'a Recording>,
         hold: Hold,
         (model, p): (&Model, &[f64]),
-        rows: impl Fn(&Recording) -> Vec<Range<usize>>,
+        rows: &[Vec<Range<usize>>],
     ) -> Self {
         let mobility = mobility(model, p);
         let mut windows = Vec::new();
-        for (r, recording) in recordings.iter().enumerate() {
-            for piece in &rows(recording) {
+        for (r, (recording, rows)) in recordings.iter().zip(rows).enumerate() {
+            for piece in rows {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &recording.local_motion()[rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);

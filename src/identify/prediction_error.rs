@@ -156,17 +156,19 @@ impl PredictionError {
         let recordings: Vec<&Recording> = task.train.iter().collect();
         let (train, hold, pieces) = (task.train, task.hold, pieces(&recordings));
         let open = OpenLoop { train, hold, pieces };
-        let begin = |p: Vec<f64>| {
+        let begin = |(error, p): (f64, Vec<f64>)| {
             let filter = HorizonFilter::new(prepared, task.hold, task.model, &p);
             let solution = descend(&filter, task.model, (&p, 0.0), 0.0)?;
-            Some((filter, solution, p))
+            Some((filter, solution, (error, p)))
         };
         // the regression of torques, for initial values and for the fallback
         let rows = TorqueRegression::default().rows(task).ok();
         let starts = ranked(task, &open, starts(task, rows.as_ref())?);
-        let (mut filter, first, start) = starts.into_iter().find_map(begin).ok_or_else(|| {
-            IdentifyError::NoStart { method: NAME.into(), reason: NoStart::Likelihood }
-        })?;
+        let (mut filter, first, (square, start)) =
+            starts.into_iter().find_map(begin).ok_or_else(|| IdentifyError::NoStart {
+                method: NAME.into(),
+                reason: NoStart::Likelihood,
+            })?;
         let mut held = Held::of(task, &filter, first, (&start, &open));
         filter.alike = held.solution.scale() > MISFIT;
         let horizons = match self.horizon_s {
@@ -190,9 +192,8 @@ impl PredictionError {
         }
         // a regression would find the same unbounded inertia
         if self.horizon_s == Horizon::default() && !spread_out {
-            let simulates = open.mean(task.model, &start).sqrt();
             let fit = rival::better((task, rows), &open, &chosen, fit, filter.alike);
-            return Ok(rival::unless_it_fails(task, &open, fit, (filter.alike, simulates)));
+            return Ok(rival::unless_it_fails(task, &open, fit, (filter.alike, square.sqrt())));
         }
         Ok(fit)
     }
@@ -237,12 +238,12 @@ fn starts(task: &Task, rows: Option<&Regression>) -> Result<Vec<Vec<f64>>, Ident
     Ok(all)
 }
 
-/// Starts in the order of their 2 s simulation error; those that cannot be simulated come last.
-fn ranked(task: &Task, open: &OpenLoop, starts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+/// Starts in the order of their mean square 2 s simulation error, with it; those that cannot be simulated come last.
+fn ranked(task: &Task, open: &OpenLoop, starts: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     let mut by_error: Vec<(f64, Vec<f64>)> =
         starts.into_iter().map(|p| (open.mean(task.model, &p), p)).collect();
     by_error.sort_by(|a, b| a.0.total_cmp(&b.0));
-    by_error.into_iter().map(|(_, p)| p).collect()
+    by_error
 }
 
 /// The fit of a chosen solution.
