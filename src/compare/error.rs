@@ -298,6 +298,28 @@ mod tests {
     }
 
     #[test]
+    fn a_window_may_start_between_two_readings_of_slow_angles() {
+        // readings every 20 ms in rows of 5 ms; windows start one to three rows after one
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let t: Vec<f64> = (0..900).map(|k| 0.005 * f64::from(k)).collect();
+        let torque: Vec<[f64; 2]> = t.iter().map(|t| [0.3 + 0.3 * t.sin(), 0.3]).collect();
+        let hold = Hold::Linear;
+        let input = Input { t: &t, torque: &torque, hold };
+        let states = simulate(&model, &p, &input, State::default()).unwrap();
+        let alpha = Some((0..900).map(|k| states[k - k % 4].alpha).collect());
+        let channels = Channels { t, alpha, omega: None, torque };
+        let recording = Recording::new("slow", channels, DriveUnit::NewtonMetre).unwrap();
+        assert!(recording.fresh().contains(&false));
+        let dynamics = PhysicalDynamics { model, p };
+        let acting = Acting::new(&dynamics, &recording, recording.torque());
+        let starts = [0, 301, 602, 803, 900];
+        let windows: Vec<_> = starts.windows(2).map(|w| (w[0]..w[1], states[w[0]])).collect();
+        let simulated = acting.simulate(&windows, hold).unwrap();
+        assert!(window_rms(&recording, &simulated) < 1e-9);
+    }
+
+    #[test]
     fn the_index_of_a_known_error_is_its_integral() {
         // errors 2t on wheel 1 and 1 on wheel 2 over 1 s: 4/3 and 1
         let t: Vec<f64> = (0..=100).map(|k| 0.01 * f64::from(k)).collect();

@@ -14,27 +14,49 @@
 //! as measurements: angles with fewer samples than the speeds are discarded, and vice versa; if one wheel has fewer
 //! samples, its rows are those of the recording.
 
-use super::cells::{column, columns, keep, put};
+use super::Conditioned;
+use super::cells::{column, keep, put};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, median_high};
-use super::{Conditioned, Context, Settings};
 use crate::math::interpolate;
 use crate::recording::{Channels, REGULAR, refreshed};
+
+/// The sensors that have fewer samples than the others of the same wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlowPair {
+    /// Those of the angles.
+    Angles,
+    /// Those of the speeds.
+    Speeds,
+}
+
+/// The sensors that some recordings of one log show to be slower, all of them the same ones.
+pub fn common_slow_pair<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option<SlowPair> {
+    let mut shown = recordings.flatten().filter_map(|f| match (f.kind, f.channel) {
+        (Kind::SlowPair { .. }, Channel::Angle(_)) => Some(SlowPair::Angles),
+        (Kind::SlowPair { .. }, Channel::Speed(_)) => Some(SlowPair::Speeds),
+        _ => None,
+    });
+    let first = shown.next()?;
+    shown.all(|other| other == first).then_some(first)
+}
 
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
 
-/// Smallest ratio of the samples of one wheel to those of the other for sensors that are read in
-/// turn.
-const HALF: f64 = 0.5;
 /// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is less
 /// than that of the sensor, and one row in five moves what the rows show of it by a tenth.
 const FEW: f64 = 0.8;
 /// Part of its range beyond which an angle does not move between two samples, but wraps.
 const WRAP: f64 = 0.5;
 
-/// Discards the angles, or the speeds, if they have fewer samples than the other; returns the remaining cells.
-pub(super) fn without_slow_pair(work: &mut Conditioned, cells: Vec<Cells>) -> Vec<Cells> {
+/// Discards the angles, or the speeds, if they have fewer samples than the other, or if they are `known` to have fewer
+/// in other recordings of the log; returns the remaining cells.
+pub(super) fn without_slow_pair(
+    work: &mut Conditioned,
+    cells: Vec<Cells>,
+    known: Option<SlowPair>,
+) -> Vec<Cells> {
     let of = |kind: fn(usize) -> Channel| {
         let of_kind = |c: &&Cells| [kind(0), kind(1)].contains(&c.0);
         cells.iter().filter(of_kind).map(|(_, own)| own.iter().filter(|o| **o).count()).min()
@@ -42,19 +64,20 @@ pub(super) fn without_slow_pair(work: &mut Conditioned, cells: Vec<Cells>) -> Ve
     let (Some(angles), Some(speeds)) = (of(Channel::Angle), of(Channel::Speed)) else {
         return cells;
     };
-    let (slow, other, kind): (_, _, fn(usize) -> Channel) = if angles < speeds {
-        (angles, speeds, Channel::Angle)
-    } else {
-        (speeds, angles, Channel::Speed)
-    };
-    if slow as f64 >= FEW * other as f64 {
+    let fewer = if angles < speeds { SlowPair::Angles } else { SlowPair::Speeds };
+    if known.is_none() && angles.min(speeds) as f64 >= FEW * angles.max(speeds) as f64 {
         return cells;
     }
-    if angles < speeds {
-        work.channels.alpha = None;
-    } else {
-        work.channels.omega = None;
-    }
+    let (slow, kind): (_, fn(usize) -> Channel) = match known.unwrap_or(fewer) {
+        SlowPair::Angles => {
+            work.channels.alpha = None;
+            (angles, Channel::Angle)
+        }
+        SlowPair::Speeds => {
+            work.channels.omega = None;
+            (speeds, Channel::Speed)
+        }
+    };
     let share = slow as f64 / work.channels.t.len() as f64;
     for channel in [kind(0), kind(1)] {
         work.findings.push(Finding::corrected(channel, Kind::SlowPair { share }, "rows", true));
@@ -113,36 +136,25 @@ pub(super) fn align(
     }
 }
 
-/// Sensors of the two wheels that the logger reads in turn: in each row one of them repeats its last value. Half
-/// of the rows go, so that this is not for commands, which may change in any row.
-pub(super) fn read_in_turn(work: &mut Conditioned, settings: &Settings, context: &Context) {
-    if !settings.rows || context.commanded {
-        return;
+/// Reads all sensors in the rows in which that with the fewest samples has one, and holds these values until the next of
+/// them. All rows stay, since the input may change in any, but for those before the first and after the last sample
+/// of a sensor.
+pub(super) fn read_together(work: &mut Conditioned, cells: &[Cells]) {
+    let count = |cells: &[bool]| cells.iter().filter(|c| **c).count();
+    let Some((_, together)) = cells.iter().min_by_key(|(_, own)| count(own)) else { return };
+    let rows = work.channels.t.len();
+    let mut known = vec![true; rows];
+    for (channel, own) in cells.iter().filter(|(_, own)| own != together) {
+        let read = if matches!(channel, Channel::Angle(_)) { along_angle } else { along };
+        let t = &work.channels.t;
+        let there = read(t, &column(&work.channels, *channel), own);
+        let values = held(t, &there, together);
+        known.iter_mut().zip(&values).for_each(|(known, x)| *known &= x.is_finite());
+        put(&mut work.channels, *channel, &values);
+        let kind = Kind::ReadTogether { share: count(own) as f64 / rows as f64 };
+        work.findings.push(Finding::corrected(*channel, kind, "rows", true));
     }
-    for kind in [Channel::Angle, Channel::Speed] {
-        let cells: Vec<Cells> = columns(&work.channels)
-            .into_iter()
-            .filter(|(channel, _)| [kind(0), kind(1)].contains(channel))
-            .map(|(channel, values)| (channel, new_in(&work.channels.t, &values)))
-            .collect();
-        let [(_, right), (_, left)] = &cells[..] else { continue };
-        let every = |new: &[bool]| {
-            let rows: Vec<usize> = (0..new.len()).filter(|&k| new[k]).collect();
-            median_high(rows.windows(2).map(|w| (w[1] - w[0]) as f64))
-        };
-        if [every(right), every(left)] != [2.0; 2] {
-            continue;
-        }
-        let count = |of: &dyn Fn(bool, bool) -> bool| {
-            right.iter().zip(left).filter(|(r, l)| of(**r, **l)).count() as f64
-        };
-        let (both, one) = (count(&|r, l| r && l), count(&|r, l| r != l));
-        let rates = count(&|r, _| r) / count(&|_, l| l);
-        // if read in the same rows they are equally old, which the refresh of the rows accounts for
-        if one > both && (HALF..=1.0 / HALF).contains(&rates) {
-            align(work, &cells, |_| true, context.commanded);
-        }
-    }
+    keep(&mut work.channels, &known);
 }
 
 /// The rows in which a channel has a new value: all, unless it changes after every so many rows.
@@ -154,13 +166,13 @@ pub(super) fn new_in(t: &[f64], values: &[f64]) -> Vec<bool> {
     if usual < 2 || (alike as f64) < REGULAR * runs.len() as f64 {
         return vec![true; values.len()];
     }
-    let alone = Channels {
-        t: t.to_vec(),
-        alpha: Some(values.iter().map(|v| [*v; 2]).collect()),
-        omega: None,
-        torque: vec![],
-    };
-    refreshed(&alone)
+    refreshed_alone(t, values)
+}
+
+/// The rows in which a sensor, a single channel, has a new value.
+pub(super) fn refreshed_alone(t: &[f64], values: &[f64]) -> Vec<bool> {
+    let alpha = Some(values.iter().map(|v| [*v; 2]).collect());
+    refreshed(&Channels { t: t.to_vec(), alpha, omega: None, torque: vec![] })
 }
 
 /// The last sample at each row; none before the first.
@@ -208,7 +220,7 @@ fn between(t: &[f64], values: &[f64], own: &[bool], most: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::condition;
+    use super::super::{Context, Settings, condition};
     use super::*;
 
     /// Messages in rows of their own: sensors every 20 ms, currents every 50 ms between them.
@@ -262,11 +274,14 @@ mod tests {
         let torque: Vec<[f64; 2]> = t.iter().map(|t| [t.cos(), t.sin()]).collect();
         let channels = Channels { t, alpha: None, omega: Some(omega), torque };
         let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
-        let omega = done.channels.omega.unwrap();
-        assert!((1990..=2001).contains(&omega.len()), "{:?}", done.findings);
-        for (t, w) in done.channels.t.iter().zip(&omega).skip(2) {
+        let (t, omega) = (&done.channels.t, done.channels.omega.as_ref().unwrap());
+        assert!((3995..=4000).contains(&omega.len()), "{:?}", done.findings);
+        let fresh = refreshed(&done.channels);
+        let read: Vec<usize> = (2..t.len()).filter(|&k| fresh[k]).collect();
+        assert!((1990..=2001).contains(&read.len()), "{}", read.len());
+        for k in read {
             // a chord of 10 ms: 4 h^2/8
-            assert!((0..2).all(|i| (w[i] - speed(*t)[i]).abs() < 6e-5), "{t}: {w:?}");
+            assert!((0..2).all(|i| (omega[k][i] - speed(t[k])[i]).abs() < 6e-5), "{k}");
         }
         // both wheels in the same rows: that is the refresh of the rows
         let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();

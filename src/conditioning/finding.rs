@@ -92,6 +92,11 @@ pub enum Kind<C = usize, R = f64> {
         /// Part of the rows that have a value of it \[1\].
         share: R,
     },
+    /// A sensor with a new value in other rows than the slowest one; read in the rows of that one, and held between them.
+    ReadTogether {
+        /// Part of the rows that have a new value of it \[1\].
+        share: R,
+    },
     /// Rows whose time repeats or precedes that of others; left out.
     TimeRows {
         /// How many rows.
@@ -353,6 +358,7 @@ impl Kind {
             Self::HeldColumn { share } => ("held_column", share, "1"),
             Self::SlowPair { share } => ("slow_pair", share, "1"),
             Self::OwnRows { share } => ("own_rows", share, "1"),
+            Self::ReadTogether { share } => ("read_together", share, "1"),
             Self::TimeRows { rows, .. } => ("time_not_increasing", rows as f64, "rows"),
             Self::NewestFirst { rows } => ("newest_first", rows as f64, "rows"),
             Self::Jitter { share } => ("jitter", share, "rows"),

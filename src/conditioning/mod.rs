@@ -4,7 +4,7 @@
 //! ```text
 //! rows       newest first | without a value | of a repeated or backward time | of a restarted clock
 //!            | of a coarse clock | stamped in batches | whose stamps scatter
-//! columns    slower than the rows | of the other wheel | at rates of their own
+//! columns    slower than the rows | at rates of their own | read in turn
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
@@ -40,6 +40,7 @@ mod spikes;
 mod stale;
 mod wheels;
 
+pub use align::{SlowPair, common_slow_pair};
 pub use counts::{Encoder, Encoders, common_encoders};
 pub(crate) use dead::DEAD_S;
 pub use error::ConditioningError;
@@ -72,6 +73,8 @@ pub struct Context {
     pub speeds_of_angles: Option<f64>,
     /// The encoder of speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
+    /// The sensors that other recordings of the same log show to be slower.
+    pub slow_pair: Option<SlowPair>,
     /// Whether another recording of the same log shows that its rows are even and the stamps those of a receiver.
     pub even_times: bool,
 }
@@ -112,7 +115,6 @@ pub fn condition(
     }
     counts::angles(&mut work, settings, context);
     jitter::even_times(&mut work, settings, context);
-    align::read_in_turn(&mut work, settings, context);
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     stale::rows(&mut work, settings);

@@ -1,29 +1,47 @@
 //! Sensors of the same log that refresh at different rates, where a logger repeats their last values.
 //!
 //! If only one of them has a new value in a row, the repeated value of the other would be counted as a measurement.
-//! Angles that refresh less often than the speeds are left out, and vice versa; of two wheels the rows are those of
-//! the slower one, to which the other is interpolated. Rows are removed, so this does not apply to commands, which
+//! Angles that refresh less often than the speeds are left out, and vice versa. The other sensors are read in the rows
+//! of the slowest one. If they differ in their rates, and the input is measured, the other rows are removed; a command
 //! may change in any row.
 
-use super::align::{Cells, align, new_in, without_slow_pair};
+use super::align::{Cells, align, new_in, read_together, refreshed_alone, without_slow_pair};
 use super::cells::columns;
 use super::finding::Channel;
 use super::signal::{changes, median_high};
 use super::{Conditioned, Context, Settings};
 
-/// Leaves out slower sensors, and resamples the wheels to the rows of the slower one.
+/// Smallest ratio of the samples of two sensors that are read at the same rate.
+const HALF: f64 = 0.5;
+
+/// Leaves out slower sensors, and reads the others in the rows of the slowest.
 pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Context) {
     let is_sensor = |c: Channel| matches!(c, Channel::Angle(_) | Channel::Speed(_));
     let sensors = columns(&work.channels).into_iter().filter(|(channel, _)| is_sensor(*channel));
     let cells: Vec<Cells> = sensors.map(|(c, v)| (c, samples(&work.channels.t, &v))).collect();
-    if !settings.rows || are_alike(&cells) {
+    if !settings.rows {
         return;
     }
-    let cells = without_slow_pair(work, cells);
-    if context.commanded || are_alike(&cells) {
-        return;
+    let cells = without_slow_pair(work, cells, context.slow_pair);
+    let alike = are_alike(&cells);
+    if !alike && !context.commanded {
+        align(work, &cells, |_| true, context.commanded);
+    } else if !alike || are_read_in_turn(&cells) {
+        read_together(work, &cells);
     }
-    align(work, &cells, |_| true, context.commanded);
+}
+
+/// Whether sensors of about the same rate are read in different rows: in most rows with a new value of one of them
+/// another one repeats its last.
+fn are_read_in_turn(cells: &[Cells]) -> bool {
+    let count =
+        |of: &dyn Fn(usize) -> bool| (0..cells[0].1.len()).filter(|&k| of(k)).count() as f64;
+    let in_turn = |(first, second): (&[bool], &[bool])| {
+        let rates = count(&|k| first[k]) / count(&|k| second[k]);
+        let apart = count(&|k| first[k] != second[k]);
+        apart > count(&|k| first[k] && second[k]) && (HALF..=1.0 / HALF).contains(&rates)
+    };
+    cells.iter().skip(1).any(|(_, other)| in_turn((&cells[0].1, other)))
 }
 
 /// The rows in which a sensor has measured: those in which it changes, and where it does not for longer than usual, at rest,
@@ -31,7 +49,8 @@ pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Conte
 fn samples(t: &[f64], values: &[f64]) -> Vec<bool> {
     let new = new_in(t, values);
     if new.iter().all(|new| *new) {
-        return new;
+        // changes of a slow sensor are irregular if its filter repeats some values
+        return refreshed_alone(t, values);
     }
     let changes = changes(values);
     let every = usual(&changes).max(1);
@@ -60,7 +79,7 @@ fn are_alike(cells: &[Cells]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::condition;
+    use super::super::{SlowPair, condition};
     use super::*;
     use crate::recording::Channels;
 
@@ -97,5 +116,40 @@ mod tests {
         for every in [1, 4] {
             assert_eq!(done([every; 4]).channels.alpha, log([every; 4]).alpha);
         }
+    }
+    #[test]
+    fn sensors_that_are_read_in_turn_stand_at_the_same_times_under_a_command() {
+        // encoders of 20 ms, one a row after the other, and speeds whose filter repeats values
+        let mut made = log([4, 4, 4, 4]);
+        let rows = 0..made.t.len();
+        let angle = |t: f64| 3.0 * (0.7 * t).sin() / 0.7;
+        let later = |k: usize| if k == 0 { 0 } else { k - (k - 1) % 4 };
+        let alpha = made.alpha.as_mut().unwrap();
+        rows.clone().for_each(|k| alpha[k][1] = angle(0.005 * later(k) as f64));
+        let omega = made.omega.as_mut().unwrap();
+        let filtered = |k: usize| {
+            let n = k / 4;
+            4 * [n, n - n % 2, n - n % 3][(n / 6) % 3]
+        };
+        let read: Vec<[f64; 2]> = rows.clone().map(|k| omega[filtered(k)]).collect();
+        omega.copy_from_slice(&read);
+        let commanded = Context { commanded: true, ..Context::default() };
+        let done = condition(made.clone(), &Settings::default(), &commanded).unwrap();
+        let c = &done.channels;
+        assert!(c.omega.is_none(), "{:?}", done.findings);
+        assert!(c.t.len() > 3990, "{}", c.t.len());
+        let alpha = c.alpha.as_ref().unwrap();
+        let fresh = crate::recording::refreshed(c);
+        let read: Vec<usize> = (8..c.t.len()).filter(|&k| fresh[k]).collect();
+        assert!((980..=1000).contains(&read.len()), "{}", read.len());
+        for k in read {
+            // a chord of 20 ms: 4 h^2/8
+            assert!((alpha[k][0] - 4.0 * (1.0 - c.t[k].cos())).abs() < 2.1e-4);
+            assert!((alpha[k][1] - angle(c.t[k])).abs() < 2.1e-4, "{k}");
+        }
+        // what another recording of the log shows holds for one whose speeds look as new as the angles
+        let known = Context { slow_pair: Some(SlowPair::Speeds), ..commanded };
+        let alike = condition(log([4; 4]), &Settings::default(), &known).unwrap();
+        assert!(alike.channels.omega.is_none());
     }
 }

@@ -127,6 +127,22 @@ pub(super) fn fit_within(
     cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
 }
 
+/// A model with the parameters `p` of another method as a fit. Its scores do not vanish together; the covariance is
+/// that of their deviations from the mean. `None` where it cannot be simulated, and without windows.
+#[must_use]
+pub(super) fn fit_at(windows: &Windows, model: &Model, p: &[f64]) -> Option<WindowFit> {
+    let free = model.free();
+    let mut sums = windows.sums(model, p, &free)?;
+    let count = sums.len() as f64;
+    let total: DVector<f64> = sums.iter().map(|s| &s.score).sum();
+    sums.iter_mut().for_each(|s| s.score -= &total / count);
+    let cost = quadratic_of(&sums, free.len())?.cost;
+    let covariance = among_all(model, &covariance(&sums));
+    let (model, p, at_bound, windows) =
+        (model.clone(), p.to_vec(), vec![false; p.len()], sums.len());
+    cost.is_finite().then_some(WindowFit { model, p, cost, covariance, at_bound, windows })
+}
+
 /// A fit to `windows` with standard errors that include the unknown input between its rows: the change of its parameter
 /// by omitting every other row of the input, the mean of both ways, by one step. That error does not appear in the
 /// residuals, since the parameters absorb it, and is independent of theirs. A held input is known between its rows;

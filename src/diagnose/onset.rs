@@ -15,31 +15,36 @@ const SURE: f64 = 5.0;
 const MOVES: f64 = 0.02;
 
 /// Upper limit of the dead time \[s\]: the shortest time from the last row without input to the first of two rows in
-/// which a wheel clearly moves in the direction of the input. Friction and sensors delay the onset, so the dead time is not
-/// longer. `None` without a step from rest.
+/// which a wheel clearly moves in the direction of the input, by its speed or by its angle. Friction and sensors delay the
+/// onset, so the dead time is not longer. `None` without a step from rest.
 pub(super) fn latest_dead_time(recordings: &[&Recording]) -> Option<f64> {
     let all = recordings.iter().flat_map(|r| [0, 1].map(|i| (*r, i)));
     let of = |(r, i): (&Recording, usize)| {
+        let by: Vec<Motion> =
+            [Motion::Speed, Motion::Angle].into_iter().filter(|m| m.is_measured(r)).collect();
         let pieces = r.pieces().iter();
-        let each = pieces.flat_map(|piece| onsets(r, piece, i)).collect::<Vec<_>>();
-        each.into_iter().min_by(f64::total_cmp)
+        let each = pieces.flat_map(|piece| by.iter().flat_map(|by| onsets(r, piece, i, *by)));
+        each.min_by(f64::total_cmp)
     };
     all.filter_map(of).min_by(f64::total_cmp)
 }
 
-/// Times from the last row without input of wheel `i` to its onset \[s\].
-fn onsets(r: &Recording, piece: &Range<usize>, i: usize) -> Vec<f64> {
+/// Times from the last row without input of wheel `i` to its onset \[s\]. A recording may begin with a single row of
+/// rest: its logger was started with the step.
+fn onsets(r: &Recording, piece: &Range<usize>, i: usize, by: Motion) -> Vec<f64> {
     let (t, torque) = (r.t(), r.torque());
     let range = range(r, i);
     let none = |k: usize| torque[k].iter().all(|m| m.abs() <= NONE * range);
-    let starts = (piece.start + REST..piece.end)
-        .filter(|&k| torque[k][i].abs() > STEP * range && (k - REST..k).all(none));
-    let limit = smallest_motion(r, i);
-    let moved = |from: usize, k: usize| Some(motion(r, i, from, k)).filter(|m| m.abs() > limit);
+    let rest = |k: usize| k.saturating_sub(REST).max(piece.start)..k;
+    let first = if piece.start == 0 { 1 } else { piece.start + REST };
+    let starts =
+        (first..piece.end).filter(|&k| torque[k][i].abs() > STEP * range && rest(k).all(none));
+    let limit = by.smallest(r, i);
+    let moved = |from: usize, k: usize| Some(by.of(r, i, from, k)).filter(|m| m.abs() > limit);
     let onset = |k: usize| {
         let way = torque[k][i].signum();
         let moves = |j: &usize| moved(k - 1, *j).is_some_and(|moved| way * moved > 0.0);
-        if (k - REST..k).any(|j| moved(k - REST, j).is_some()) {
+        if rest(k).any(|j| moved(rest(k).start, j).is_some()) {
             return None;
         }
         let first = (k..piece.end - 1).find(|j| moves(j) && moves(&(j + 1)))?;
@@ -48,16 +53,35 @@ fn onsets(r: &Recording, piece: &Range<usize>, i: usize) -> Vec<f64> {
     starts.filter_map(onset).collect()
 }
 
-/// The speed of a wheel in row `k`, or its angle since row `from` if only angles are measured.
-fn motion(r: &Recording, i: usize, from: usize, k: usize) -> f64 {
-    if r.measured().omega { r.omega()[k][i] } else { r.alpha()[k][i] - r.alpha()[from][i] }
+/// A channel that shows the motion of a wheel.
+#[derive(Clone, Copy)]
+enum Motion {
+    Speed,
+    Angle,
 }
 
-/// The smallest [`motion`] that is not noise.
-fn smallest_motion(r: &Recording, i: usize) -> f64 {
-    match r.measured().omega {
-        true => smallest_speed(r, i),
-        false => SURE * 2.0_f64.sqrt() * r.motion_noise().alpha[i],
+impl Motion {
+    fn is_measured(self, r: &Recording) -> bool {
+        match self {
+            Self::Speed => r.measured().omega,
+            Self::Angle => r.measured().alpha,
+        }
+    }
+
+    /// The speed of a wheel in row `k`, or its angle since row `from`.
+    fn of(self, r: &Recording, i: usize, from: usize, k: usize) -> f64 {
+        match self {
+            Self::Speed => r.omega()[k][i],
+            Self::Angle => r.alpha()[k][i] - r.alpha()[from][i],
+        }
+    }
+
+    /// The smallest motion that is not noise.
+    fn smallest(self, r: &Recording, i: usize) -> f64 {
+        match self {
+            Self::Speed => smallest_speed(r, i),
+            Self::Angle => SURE * 2.0_f64.sqrt() * r.motion_noise().alpha[i],
+        }
     }
 }
 
@@ -129,6 +153,37 @@ mod tests {
                 assert!((truth..truth + 0.045).contains(&limit), "{late}: {limit}");
             }
         }
+    }
+
+    #[test]
+    fn a_logger_that_starts_with_the_step_limits_the_dead_time_too() {
+        let whole = stepped(3, true);
+        // one row of rest
+        let limit = latest_dead_time(&[&whole.cut(49..200).unwrap()]).unwrap();
+        assert!((0.03..0.075).contains(&limit), "{limit}");
+        // none: when the input began is not recorded
+        assert_eq!(latest_dead_time(&[&whole.cut(50..200).unwrap()]), None);
+    }
+
+    #[test]
+    fn angles_limit_the_dead_time_beside_speeds_that_are_late() {
+        let plain = stepped(0, true);
+        // a moving average of a quarter of a second
+        let omega = plain.omega();
+        let mean = |k: usize| {
+            let rows = k.saturating_sub(25)..k + 1;
+            let sum = |i: usize| rows.clone().map(|n| omega[n][i]).sum::<f64>() / 26.0;
+            [sum(0), sum(1)]
+        };
+        let late = Channels {
+            t: plain.t().to_vec(),
+            alpha: Some(plain.alpha().to_vec()),
+            omega: Some((0..200).map(mean).collect()),
+            torque: plain.torque().to_vec(),
+        };
+        let late = Recording::new("late", late, DriveUnit::NewtonMetre).unwrap();
+        let limit = latest_dead_time(&[&late]).unwrap();
+        assert!(limit < 0.045, "{limit}");
     }
 
     #[test]

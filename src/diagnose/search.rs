@@ -1,5 +1,6 @@
 //! The forward search: which effects are missing, and how many of them are proven.
 
+mod base;
 mod climb;
 mod order;
 mod refit;
@@ -14,8 +15,8 @@ use rayon::prelude::*;
 pub use self::starts::{StartAngle, start_angles};
 use super::candidate::Candidate;
 use super::candidates::candidates;
-use super::fit::{WindowFit, fit, with_sampling};
-use super::input_timing::{InputTiming, SYMBOL};
+use super::fit::{WindowFit, with_sampling};
+use super::input_timing::SYMBOL;
 use super::judge::Judge;
 use super::outcome::{Diagnosis, Ranked, Step};
 use super::regression::{Buffers, Regression};
@@ -48,7 +49,8 @@ pub struct Settings {
     /// Largest number of effects that are added.
     pub max_effects: usize,
     /// Estimates of the model as given by other methods, one value per parameter. A fit from one of them replaces
-    /// those from the starts if it has less than half of their squared error: it is then in another minimum.
+    /// those from the starts if it has less than half of their squared error: it is then in another minimum. One that
+    /// predicts the held-out recordings better, by the test of an effect, replaces the fit of the model as given.
     pub estimates: Vec<Vec<f64>>,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
@@ -177,36 +179,6 @@ impl<'a> Search<'a> {
         let fallback = rows as f64 * 2.0 * self.smoothed.cutoff * self.scale.step;
         self.degrees = regression.map_or(fallback, |r| r.degrees).max(10.0);
         self
-    }
-
-    /// The model as given with the time of its input, from the start whose fit is lowest.
-    fn base(&self, model: &Model, starts: &[Vec<f64>]) -> Result<WindowFit, IdentifyError> {
-        let timed = match model.shifts_input() {
-            true => model.clone(),
-            false => model.add_effect(Arc::new(InputTiming { limits: self.range }))?,
-        };
-        let lowest = |starts: &[Vec<f64>]| {
-            let fits = starts.iter().filter_map(|start| {
-                let mut start = start.clone();
-                start.resize(timed.parameters().len(), 0.0);
-                fit(&self.windows, &timed, &start, &self.scale)
-            });
-            fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
-        };
-        let first = lowest(starts);
-        // at the noise floor no other minimum can be lower
-        let is_open = first.as_ref().is_none_or(|fit| self.is_unexplained(fit));
-        let other = is_open.then(|| lowest(&self.settings.estimates)).flatten();
-        let base = match (first, other) {
-            (Some(first), Some(other)) if other.cost < THRESHOLDS.most_left * first.cost => {
-                Some(other)
-            }
-            (first, other) => first.or(other),
-        };
-        base.ok_or_else(|| IdentifyError::NoStart {
-            method: "diagnosis".into(),
-            reason: crate::identify::NoStart::Windows,
-        })
     }
 
     /// Screens all candidates, refits the best, and ranks them.

@@ -192,7 +192,7 @@ fn overlays(
         let made = overlay(&measured.recording, plan.hold, models)
             .map_err(|e| ExperimentError::Run(e.into()))?;
         for &format in &formats {
-            let name = format!("{}.{}", stem(&made.recording), format.name());
+            let name = free_name(&stem(&made.recording), format.name(), &files);
             let bytes = table(&made, *format, Path::new(&name))?;
             files.push((name, bytes));
         }
@@ -200,11 +200,20 @@ fn overlays(
     Ok(files)
 }
 
-/// The name of a recording without its extension, as part of a file name.
+/// The name of a file that is not among `files`, with a number from 2 on if recordings have the same name.
+fn free_name(stem: &str, ending: &str, files: &[(String, Vec<u8>)]) -> String {
+    let is_free = |name: &String| files.iter().all(|(taken, _)| taken != name);
+    let first = format!("{stem}.{ending}");
+    let numbered = (2..).map(|n: usize| format!("{stem}-{n}.{ending}"));
+    std::iter::once(first.clone()).chain(numbered).find(is_free).unwrap_or(first)
+}
+
+/// The name of a recording without its extension, with the test of a file of tests, as part of a file name.
 fn stem(recording: &str) -> String {
-    let path = Path::new(recording);
-    let stem = path.file_stem().map_or(recording.into(), |s| s.to_string_lossy());
-    stem.replace(|c: char| !c.is_alphanumeric() && c != '-' && c != '_', "_")
+    let (file, test) = recording.split_once('#').unwrap_or((recording, ""));
+    let stem = Path::new(file).file_stem().map_or(file.into(), |s| s.to_string_lossy());
+    let name = if test.is_empty() { stem.into_owned() } else { format!("{stem}_{test}") };
+    name.replace(|c: char| !c.is_alphanumeric() && c != '-' && c != '_', "_")
 }
 
 fn table(overlay: &Overlay, format: ExportFormat, path: &Path) -> Result<Vec<u8>, ExperimentError> {
@@ -304,4 +313,21 @@ fn estimate(entry: &Value) -> Estimate {
     let std_error = number("std_error").unwrap_or(f64::INFINITY);
     let fixed = entry["fixed"].as_bool().unwrap_or(false);
     Estimate { fixed, ..Estimate::new(text("symbol"), text("unit").into(), value, std_error) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_recording_has_a_file_of_its_own() {
+        assert_eq!(stem("runs/a b.csv"), "a_b");
+        assert_eq!(stem("drive.json#slow-backward"), "drive_slow-backward");
+        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+        for recording in ["one/train.csv", "two/train.csv", "three/train.csv"] {
+            files.push((free_name(&stem(recording), "csv", &files), vec![]));
+        }
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["train.csv", "train-2.csv", "train-3.csv"]);
+    }
 }

@@ -8,7 +8,7 @@ use super::robot_table::UNKNOWN;
 use super::source::MeasuredRecording;
 use super::unrepaired;
 use crate::conditioning::{
-    Action, Channel, Context, Encoders, Finding, Kind, Settings, SpeedLag, condition,
+    Action, Channel, Context, Encoders, Finding, Kind, Settings, SlowPair, SpeedLag, condition,
 };
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
@@ -43,6 +43,8 @@ pub(super) struct Shown {
     pub(super) speeds_of_angles: Option<f64>,
     /// The encoder behind speeds without angles.
     pub(super) encoders: Encoders,
+    /// The sensors that are slower than the others of the same wheels.
+    pub(super) slow_pair: Option<SlowPair>,
     /// Even rows with the stamps of a receiver.
     pub(super) even_times: bool,
 }
@@ -150,8 +152,16 @@ impl Reading {
     fn context(&self) -> Context {
         let commanded = self.drive_unit == DriveUnit::Volt;
         let wheel_radius = (self.robot.name != UNKNOWN).then(|| self.robot.r());
-        let Shown { speed_lag, speeds_of_angles, encoders, even_times } = self.shown;
-        Context { wheel_radius, commanded, speed_lag, speeds_of_angles, encoders, even_times }
+        let Shown { speed_lag, speeds_of_angles, encoders, slow_pair, even_times } = self.shown;
+        Context {
+            wheel_radius,
+            commanded,
+            speed_lag,
+            speeds_of_angles,
+            encoders,
+            slow_pair,
+            even_times,
+        }
     }
 
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {

@@ -8,7 +8,8 @@ use super::error::{ExperimentError, Meaning};
 use super::reading::{Reading, Shown};
 use super::source::MeasuredRecording;
 use crate::conditioning::{
-    Encoders, Finding, Kind, SpeedLag, common_encoders, common_lag, common_share, lags_differ,
+    Encoders, Finding, Kind, SpeedLag, common_encoders, common_lag, common_share, common_slow_pair,
+    lags_differ,
 };
 use crate::recording::share_noise;
 use crate::study::Role;
@@ -138,6 +139,11 @@ fn settled(
     if findings_of(&measured).any(even) {
         shown.even_times = true;
         again(shown, &mut measured, &|findings| !even(findings))?;
+    }
+    shown.slow_pair = common_slow_pair(findings_of(&measured));
+    if shown.slow_pair.is_some() {
+        let lacks = |findings: &[Finding]| common_slow_pair([findings].into_iter()).is_none();
+        again(shown, &mut measured, &lacks)?;
     }
     let whole = measured.iter().filter(|m| m.long.is_none());
     let refresh =

@@ -64,8 +64,10 @@ pub enum Note {
         seconds: f64,
         /// Whether held-out data chose it.
         chosen: bool,
-        /// 2 s simulation error of held-out pieces [rad/s].
+        /// 2 s simulation error of held-out pieces, in `unit`.
         error: f64,
+        /// "rad/s", or "rad" where only angles are measured.
+        unit: &'static str,
     },
     /// Time by which the input acts later than recorded, and its standard error \[s\]; negative: earlier.
     InputShift(f64, f64),
@@ -105,10 +107,12 @@ pub enum Note {
         method: String,
         /// Whether on held-out pieces, or on the training recordings themselves.
         held_out: bool,
-        /// Its 2 s simulation error [rad/s].
+        /// Its 2 s simulation error, in `unit`.
         other: f64,
-        /// That of the filter [rad/s].
+        /// That of the filter, in `unit`.
         filter: f64,
+        /// "rad/s", or "rad" where only angles are measured.
+        unit: &'static str,
     },
     /// Symbols and the values of `torque_regression`, from which the fit of a model with an error above noise
     /// differs by more than both standard errors.

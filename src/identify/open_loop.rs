@@ -42,6 +42,11 @@ impl OpenLoop<'_> {
         mean(&self.errors(model, &vec![p.to_vec(); self.pieces.len()]))
     }
 
+    /// Unit of the error: of the angles where no recording has measured speeds.
+    pub(super) fn unit(&self) -> &'static str {
+        if self.train.iter().any(|r| r.measured().omega) { "rad/s" } else { "rad" }
+    }
+
     fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {
         let recording = &self.train[*r];
         let motion = recording.local_motion();
@@ -61,7 +66,8 @@ impl OpenLoop<'_> {
         let input = Input { t: &t[from..rows.end], torque: &acting, hold: self.hold };
         let states = simulate_windows(model, p, &input, t[0], &all).ok()?;
         for (window, states) in own.into_iter().zip(&states[before.len()..]) {
-            for (k, state) in window.zip(states) {
+            // a row without a new value repeats an older one
+            for (k, state) in window.zip(states).filter(|(k, _)| recording.fresh()[*k]) {
                 let (measured, simulated) = if recording.measured().omega {
                     (recording.omega()[k], state.omega)
                 } else {

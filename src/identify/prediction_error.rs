@@ -186,7 +186,7 @@ impl PredictionError {
         if spread_out {
             chosen = choose(&held)?;
         }
-        let mut fit = physical(task, &filter, &held, &chosen, &self.horizon_s);
+        let mut fit = physical(task, &filter, &held, (&chosen, open.unit()), &self.horizon_s);
         for symbol in &self.profile {
             add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
@@ -251,7 +251,7 @@ fn physical(
     task: &Task,
     filter: &HorizonFilter,
     held: &Held,
-    chosen: &Candidate,
+    (chosen, unit_of_error): (&Candidate, &'static str),
     horizon: &Horizon,
 ) -> Fit {
     let solution = &chosen.solution;
@@ -281,7 +281,7 @@ fn physical(
     let mut fit = fit.with_degrees(spread.degrees);
     fit.notes = held.notes(task);
     fit.notes.extend(known.notes);
-    fit.notes.push(note_of(chosen, horizon));
+    fit.notes.push(note_of(chosen, unit_of_error, horizon));
     fit.notes.extend(note_of_shift(task, solution, &spread));
     fit.horizon_s = Some(solution.horizon);
     fit.status = solution.status;
@@ -293,11 +293,12 @@ fn physical(
 }
 
 /// The note on the horizon.
-fn note_of(chosen: &Candidate, horizon: &Horizon) -> Note {
+fn note_of(chosen: &Candidate, unit: &'static str, horizon: &Horizon) -> Note {
     Note::Horizon {
         seconds: chosen.solution.horizon,
         chosen: matches!(horizon, Horizon::Rule(Rule::Auto)),
         error: mean(&chosen.held_out).sqrt(),
+        unit,
     }
 }
 

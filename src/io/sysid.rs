@@ -64,7 +64,9 @@ pub(super) fn radius(path: &Path) -> Option<(f64, String)> {
         "inches" => 0.0254,
         _ => return None,
     };
-    let turn = object.get("unitsPerRotation")?.as_f64().filter(|turn| *turn > 0.0)?;
+    // one is the default of the tool: then the unit is the turn, whatever its name
+    let is_stated = |turn: &f64| *turn > 0.0 && *turn != 1.0;
+    let turn = object.get("unitsPerRotation")?.as_f64().filter(is_stated)?;
     let text = format!("unitsPerRotation = {turn} {}, the way of a turn,", unit.to_lowercase());
     Some((turn * metres / std::f64::consts::TAU, text))
 }

@@ -51,11 +51,16 @@ pub(crate) fn slopes(
     }
     let mut omega = vec![[0.0; 2]; t.len()];
     for piece in pieces {
-        let is_new = |k: &usize| fresh[*k] || *k == piece.start;
-        let rows: Vec<usize> = piece.clone().filter(is_new).collect();
+        let of = |is_new: &dyn Fn(&usize) -> bool| piece.clone().filter(is_new).collect::<Vec<_>>();
+        let mut rows = of(&|k| fresh[*k]);
+        if rows.len() < 2 {
+            rows = of(&|k| fresh[*k] || *k == piece.start);
+        }
         let times: Vec<f64> = rows.iter().map(|&k| t[k]).collect();
         let angles: Vec<[f64; 2]> = rows.iter().map(|&k| alpha[k]).collect();
         let slopes = differentiate(&times, &angles, std::slice::from_ref(&(0..rows.len())), 1);
+        // rows before the first new value repeat an older one
+        omega[piece.start..rows[0]].fill(slopes[0]);
         for (place, &row) in rows.iter().enumerate() {
             let end = rows.get(place + 1).copied().unwrap_or(piece.end);
             omega[row..end].fill(slopes[place]);

@@ -69,6 +69,10 @@ pub fn not_determined(why: Undetermined) -> String {
              window of the simulation error.",
             significant(seconds, 2)
         ),
+        Undetermined::Windows { windows } => format!(
+            "Whether an effect is missing cannot be determined: none of the parameters is determined by the {windows} \
+             windows of 1 s of the training recordings."
+        ),
         Undetermined::BetweenRows { share, step_s, .. } => format!(
             "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
              by {:.0} % of the torque that accelerates the robot. The simulation error of such a fit does not measure its \

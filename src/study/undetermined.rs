@@ -15,6 +15,11 @@ pub enum Undetermined {
         /// How long they are together \[s\].
         seconds: f64,
     },
+    /// No parameter is determined by more than one window of the fit of the diagnosis.
+    Windows {
+        /// Number of windows of 1 s.
+        windows: usize,
+    },
     /// The larger part of the inertias may be due to the unknown input between the rows.
     BetweenRows {
         /// Largest share of them.

@@ -84,6 +84,8 @@ impl<'a> Concluded<'a> {
             Conclusion::Sufficient if differs.is_some() => Conclusion::Unknown,
             other => other,
         };
+        let sufficient = conclusion == Conclusion::Sufficient;
+        let undetermined = undetermined.or_else(|| of_windows(diagnosis).filter(|_| sufficient));
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
             .and_then(|r| {
@@ -142,7 +144,9 @@ impl<'a> Concluded<'a> {
             (Some(Undetermined::Columns | Undetermined::Short { .. }), _) => {
                 vec![Advice::CheckColumns]
             }
-            (Some(Undetermined::Steady { .. }), _) => vec![Advice::ChangeSpeed],
+            (Some(Undetermined::Steady { .. } | Undetermined::Windows { .. }), _) => {
+                vec![Advice::ChangeSpeed]
+            }
             (Some(Undetermined::BetweenRows { rate, .. }), _) => {
                 vec![Advice::RecordFaster { rate }]
             }
@@ -207,6 +211,16 @@ impl<'a> Concluded<'a> {
     }
 }
 
+/// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for example
+/// because there are no more windows than parameters.
+fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
+    let WindowFit { model, covariance, windows, .. } = diagnosis.last();
+    let is_unknown = |j: usize| !covariance[(j, j)].is_finite();
+    let free = model.free();
+    let none = !free.is_empty() && free.into_iter().all(is_unknown);
+    none.then_some(Undetermined::Windows { windows: *windows })
+}
+
 /// Why judged recordings whose speeds hardly change do not determine a model.
 fn steady(judge: &Judge, errors: &Errors) -> Option<Undetermined> {
     let change = judge.change();
@@ -255,4 +269,29 @@ fn found_effect(step: &Step) -> FoundEffect {
     let description = effects.iter().map(|e| e.description()).find(|d| d.id == step.id);
     let (title, cause) = description.map_or_else(Default::default, |d| (d.title, d.cause));
     FoundEffect { id: step.id.clone(), title, cause, indistinguishable: step.equals.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+
+    #[test]
+    fn windows_that_determine_no_parameter_do_not_show_that_nothing_is_missing() {
+        let model = Model::base(Robot::amigobot());
+        let p = model.initial();
+        let of = |variance: f64| {
+            let covariance = DMatrix::from_diagonal_element(p.len(), p.len(), variance);
+            let (at_bound, windows) = (vec![false; p.len()], 3);
+            let (model, p) = (model.clone(), p.clone());
+            let base = WindowFit { model, p, cost: 1.0, covariance, at_bound, windows };
+            let (ranking, steps, rest) = (vec![], vec![], vec![]);
+            of_windows(&Diagnosis { base, ranking, steps, rest, validated: false })
+        };
+        assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3 }));
+        assert_eq!(of(1e-6), None);
+    }
 }

@@ -19,6 +19,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             Self::HeldColumn { share } => Kind::HeldColumn { share: real(share) },
             Self::SlowPair { share } => Kind::SlowPair { share: real(share) },
             Self::OwnRows { share } => Kind::OwnRows { share: real(share) },
+            Self::ReadTogether { share } => Kind::ReadTogether { share: real(share) },
             Self::TimeRows { rows, first } => {
                 Kind::TimeRows { rows: whole(rows), first: whole(first) }
             }

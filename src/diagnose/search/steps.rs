@@ -15,12 +15,12 @@ use crate::effects::{Change, ParameterKind, ParameterSpec};
 use crate::math::distribution::t_quantile;
 
 /// A fit evaluated on held-out recordings.
-struct HeldOut<'a> {
-    fit: &'a WindowFit,
+pub(super) struct HeldOut<'a> {
+    pub(super) fit: &'a WindowFit,
     /// The errors of the windows, where they can be simulated.
     errors: Option<Vec<Errors>>,
     /// The reported error [rad/s].
-    shown: f64,
+    pub(super) shown: f64,
     /// [`Search::probability_of_logging`], which requires a fit, computed on first use.
     by_logging: OnceLock<f64>,
 }
@@ -28,7 +28,7 @@ struct HeldOut<'a> {
 impl Search<'_> {
     /// The errors of held-out windows under models, in order: each fitted to the training recordings, or, without
     /// validation, to the other fold.
-    fn held_out<'f>(&self, fits: &[&'f WindowFit]) -> Vec<HeldOut<'f>> {
+    pub(super) fn held_out<'f>(&self, fits: &[&'f WindowFit]) -> Vec<HeldOut<'f>> {
         let one = |fit: &&'f WindowFit| {
             let errors = match &self.held {
                 Some(held) => held.errors(&fit.model, &fit.p),
@@ -53,7 +53,7 @@ impl Search<'_> {
 
     /// The fall from one fit to another: by its mean over the windows, or by the likelihood if the second fit
     /// explains all of the error.
-    fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
+    pub(super) fn fall(&self, before: &HeldOut, after: &HeldOut) -> Fall {
         let (Some(from), Some(to)) = (&before.errors, &after.errors) else { return Fall::NONE };
         let windows = self.held.as_ref().unwrap_or(&self.windows);
         let fall = fall_of(
@@ -97,7 +97,7 @@ impl Search<'_> {
         (-0.5 * self.judge.values() * (from.powi(2) - to.powi(2)) / floor.powi(2)).exp()
     }
 
-    fn passes(&self, fall: &Fall) -> bool {
+    pub(super) fn passes(&self, fall: &Fall) -> bool {
         let rate = self.settings.false_alarm;
         match self.held {
             Some(_) => fall.passes(rate, THRESHOLDS.least_fall),

@@ -37,10 +37,8 @@ impl Held {
     ) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let initial = task.model.initial();
-        let sum = |p: &[f64]| p[A1] + p[A2];
-        // the inertias keep the ratio that they have in the construction data
         let at = |j: usize, p: &[f64]| match j {
-            A2 | A3 if sum(p) > 0.0 => sum(p) / sum(&initial) * initial[j],
+            A2 | A3 => in_proportion(task.model, j, p),
             _ => initial[j],
         };
         let error = |held: &Self| open.mean(&held.model, &held.solution.p);
@@ -117,6 +115,12 @@ impl Held {
         };
         self.places.iter().map(one).collect()
     }
+}
+
+/// The inertia a2 or a3, number `j`, in the ratio to a1 + a2 that it has in the construction data.
+pub(super) fn in_proportion(model: &Model, j: usize, p: &[f64]) -> f64 {
+    let (initial, sum) = (model.initial(), |p: &[f64]| p[A1] + p[A2]);
+    if sum(p) > 0.0 { sum(p) / sum(&initial) * initial[j] } else { initial[j] }
 }
 
 /// Radius of gyration about the vertical in half tracks, squared; `None` for a single axis or a fixed a2.

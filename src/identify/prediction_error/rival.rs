@@ -2,15 +2,17 @@
 
 use super::choice::Candidate;
 use super::disagreement::with_disagreement;
-use super::held::is_narrow;
+use super::held::{in_proportion, is_narrow};
 use super::held_shapes::{shaped, with_shapes_of};
 use crate::identify::inverse_dynamics::Regression;
 use crate::identify::open_loop::{OpenLoop, clearly_smaller, mean};
 use crate::identify::output_error::OutputError;
 use crate::identify::torque_regression::TorqueRegression;
+use crate::identify::unexcited::with_combination;
 use crate::identify::weak_form::WeakForm;
 use crate::identify::{Fit, Identifier, Note, Task, Unknown};
-use crate::model::base::{A1, A2};
+use crate::model::Model;
+use crate::model::base::{A1, A2, A3, A4, A5};
 
 /// Relative reduction of the error for which another method is used: that required of an effect.
 const MATTERS: f64 = 0.01;
@@ -57,7 +59,7 @@ pub(super) fn better(
         true => [mean(&errors).sqrt(), mean(&chosen.held_out).sqrt()],
         false => [other, own],
     };
-    in_place_of(fit, rival, held_out, found)
+    in_place_of(fit, rival, held_out, (found, open.unit()))
 }
 
 /// The fit, or that of the weak form or of the free simulation if its 2 s simulation error on the training pieces is
@@ -80,34 +82,52 @@ pub(super) fn unless_it_fails(
     let others = methods.into_iter().filter_map(|method| of_a_robot(task, method));
     let others = others.map(|other| (error(&other), other));
     match others.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((error, other)) if fails(error) => in_place_of(fit, other, false, [error, own]),
+        Some((error, other)) if fails(error) => {
+            in_place_of(fit, other, false, ([error, own], open.unit()))
+        }
         _ => fit,
     }
 }
 
-/// The fit of a method; of inertias with which the robot would turn more easily than any does, only a1 + a2 is identifiable.
+/// The fit of a method to a robot as it can be built: if the inertia of turning is smaller than that of any robot, a2 and
+/// a3 are held in the ratio to a1 + a2 that they have in the construction data, and a negative friction that the data do
+/// not determine is held at zero.
 fn of_a_robot(task: &Task, method: &dyn Identifier) -> Option<Fit> {
-    let mut fit = method.identify(task).ok()?;
-    let known = [A1, A2].iter().all(|&j| fit.estimates[j].identifiable);
-    if !(known && is_narrow(task.model, task.train, &parameters(&fit))) {
+    let fit = method.identify(task).ok()?;
+    let p = parameters(&fit);
+    let mut held: Vec<(usize, f64)> = Vec::new();
+    if is_narrow(task.model, task.train, &p) {
+        held.extend([A2, A3].map(|j| (j, in_proportion(task.model, j, &p))));
+    }
+    let is_impossible = |j: &usize| p[*j] < 0.0 && !fit.estimates[*j].identifiable;
+    held.extend([A4, A5].into_iter().filter(is_impossible).map(|j| (j, 0.0)));
+    held.retain(|(j, _)| task.model.parameters()[*j].fixed.is_none());
+    if held.is_empty() {
         return Some(fit);
     }
-    let covariance = fit.covariance.as_ref()?;
-    let variance = covariance[(A1, A1)] + covariance[(A2, A2)] + 2.0 * covariance[(A1, A2)];
-    let [a1, a2] = [A1, A2].map(|j| fit.estimates[j].clone());
-    let (value, std_error) = (a1.value + a2.value, variance.max(0.0).sqrt());
-    let unknown =
-        Unknown::Two { first: a1.symbol, second: a2.symbol, weight: 1.0, value, std_error };
-    let effect = task.model.parameters()[A2].effect.clone();
-    fit.notes.push(Note::Unknown { unknown, effect });
-    [A1, A2].into_iter().for_each(|j| fit.set_unidentifiable(j));
-    Some(fit)
+    let symbol = |j: usize| task.model.parameters()[j].spec.symbol.clone();
+    let fix = |model: Model, &(j, value): &(usize, f64)| model.fix(&symbol(j), value);
+    let model = held.iter().try_fold(task.model.clone(), fix).ok()?;
+    let mut fit = method.identify(&Task { model: &model, ..*task }).ok()?;
+    for (j, value) in held {
+        let (unknown, effect) =
+            (Unknown::Held(symbol(j), value), model.parameters()[j].effect.clone());
+        fit.notes.push(Note::Unknown { unknown, effect });
+        fit.set_unidentifiable(j);
+    }
+    let sum = !fit.estimates[A2].identifiable && fit.estimates[A1].identifiable;
+    Some(if sum { with_combination(fit, task.model, 1.0, &[]) } else { fit })
 }
 
-/// The fit of another method in the place of `fit`, with the errors of both.
-fn in_place_of(fit: Fit, mut rival: Fit, held_out: bool, [other, filter]: [f64; 2]) -> Fit {
+/// The fit of another method in the place of `fit`, with the errors of both and their unit.
+fn in_place_of(
+    fit: Fit,
+    mut rival: Fit,
+    held_out: bool,
+    ([other, filter], unit): ([f64; 2], &'static str),
+) -> Fit {
     let method = std::mem::replace(&mut rival.method, fit.method);
-    rival.notes.insert(0, Note::BetterMethod { method, held_out, other, filter });
+    rival.notes.insert(0, Note::BetterMethod { method, held_out, other, filter, unit });
     rival.work.evaluations += fit.work.evaluations;
     rival
 }
@@ -118,11 +138,12 @@ fn parameters(fit: &Fit) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
     use crate::filter::pieces;
     use crate::identify::prediction_error::PredictionError;
-    use crate::model::Model;
-    use crate::model::base::A1;
+    use crate::identify::{IdentifyError, MethodDescription, OptionError};
     use crate::recording::Recording;
     use crate::robot::Robot;
     use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
@@ -153,5 +174,59 @@ mod tests {
         };
         assert!(["weak_form", "output_error"].contains(&method.as_str()), "{method}");
         assert_eq!(replaced.method, fit.method);
+    }
+
+    /// A method whose estimates are those of a robot that cannot be built.
+    #[derive(Debug)]
+    struct Impossible(Vec<f64>);
+
+    impl Identifier for Impossible {
+        fn describe(&self) -> MethodDescription {
+            PredictionError::default().describe()
+        }
+
+        fn schema(&self) -> schemars::Schema {
+            PredictionError::default().schema()
+        }
+
+        fn configure(&self, _: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
+            unreachable!("it has no options")
+        }
+
+        fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
+            let parameters = task.model.parameters();
+            let value = |(j, own): (usize, &f64)| parameters[j].fixed.unwrap_or(*own);
+            let p: Vec<f64> = self.0.iter().enumerate().map(value).collect();
+            let mut covariance = DMatrix::from_diagonal_element(p.len(), p.len(), 1e-12);
+            covariance[(A5, A5)] = f64::INFINITY;
+            let unit = task.train[0].drive_unit();
+            Ok(Fit::physical("impossible", task.model, p, covariance, unit))
+        }
+    }
+
+    #[test]
+    fn another_method_cannot_give_a_robot_that_no_one_could_build() {
+        let model = Model::base(Robot::amigobot());
+        let truth = model.initial();
+        let movement = Movement::rich(model.robot(), 3, 4.0, 12.0);
+        let noise = NoiseLevel { dalpha: 0.05, alpha: 1e-3, torque: 0.005 };
+        let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 3 };
+        let train = [record("made", &model, &truth, &movement, &recorder).unwrap()];
+        let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+        // turns without inertia, and a friction below zero that is not determined
+        let mut p = truth.clone();
+        (p[A2], p[A5]) = (0.999 * p[A1], -0.01);
+        let fit = of_a_robot(&task, &Impossible(p.clone())).unwrap();
+        let ratio = (p[A1] + p[A2]) / (truth[A1] + truth[A2]);
+        for j in [A2, A3] {
+            let held = &fit.estimates[j];
+            assert!((held.value / (ratio * truth[j]) - 1.0).abs() < 1e-12, "{held:?}");
+            assert!(!held.identifiable);
+        }
+        assert_eq!(fit.estimates[A5].value, 0.0);
+        assert!(!fit.estimates[A5].identifiable && fit.estimates[A4].identifiable);
+        // one that could be built is returned unchanged
+        let fit = of_a_robot(&task, &Impossible(truth.clone())).unwrap();
+        assert_eq!(parameters(&fit), truth);
     }
 }

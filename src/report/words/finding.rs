@@ -40,6 +40,10 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} has a new value in {:.1} % of the rows, less often than the other sensor of the wheel",
             percent(share)
         ),
+        Kind::ReadTogether { share } => format!(
+            "{name} has a new value in {:.1} % of the rows, and in other rows than the slowest sensor",
+            percent(share)
+        ),
         Kind::OwnRows { share } => {
             format!("{name} has a new value in {:.1} % of the rows", percent(share))
         }
@@ -221,6 +225,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::MissingValues { .. } | Kind::TimeRows { .. } | Kind::SlowPair { .. } => "left out",
         Kind::SparseColumn { .. } => "interpolated linearly between its values",
         Kind::HeldColumn { .. } => "each value is held until the next",
+        Kind::ReadTogether { .. } => "read in the rows of that one, on the line between its values",
         Kind::OwnRows { .. } => {
             "the recording uses these rows; the others only fill their own columns"
         }

@@ -28,7 +28,12 @@ fn to_record(effect: &str) -> String {
 }
 
 /// The note on the prediction horizon.
-fn horizon(f: &mut fmt::Formatter, seconds: f64, chosen: bool, error: f64) -> fmt::Result {
+fn horizon(
+    f: &mut fmt::Formatter,
+    seconds: f64,
+    chosen: bool,
+    (error, unit): (f64, &str),
+) -> fmt::Result {
     let meaning = if seconds == 0.0 { " (maximum likelihood)" } else { "" };
     let how = if chosen {
         "chosen by the 2 s simulation error of held-out pieces"
@@ -37,7 +42,7 @@ fn horizon(f: &mut fmt::Formatter, seconds: f64, chosen: bool, error: f64) -> fm
     };
     if error.is_finite() {
         let error = digits(error, 3);
-        write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error} rad/s.")
+        write!(f, "Prediction horizon: {seconds} s{meaning}, {how}: {error} {unit}.")
     } else {
         write!(
             f,
@@ -135,7 +140,9 @@ impl fmt::Display for Note {
                  a missing effect, and these intervals are too narrow.",
                 round_significant(*ratio, 2)
             ),
-            Self::Horizon { seconds, chosen, error } => horizon(f, *seconds, *chosen, *error),
+            Self::Horizon { seconds, chosen, error, unit } => {
+                horizon(f, *seconds, *chosen, (*error, unit))
+            }
             Self::InputShift(late, error) => {
                 let way = if *late > 0.0 { "after" } else { "before" };
                 let (late, error) = (1e3 * late.abs(), 1e3 * error);
@@ -180,12 +187,12 @@ impl fmt::Display for Note {
                 },
                 100.0 * share
             ),
-            Self::BetterMethod { method, held_out, other, filter } => {
+            Self::BetterMethod { method, held_out, other, filter, unit } => {
                 let on = if *held_out { "held-out pieces" } else { "the training recordings" };
                 write!(
                     f,
                     "These are the values of {method}: its 2 s simulation error on {on} is \
-                     {} rad/s, that of the filter {}.",
+                     {} {unit}, that of the filter {}.",
                     digits(*other, 3),
                     if filter.is_finite() { digits(*filter, 3) } else { "infinite".into() }
                 )
