@@ -314,6 +314,21 @@ fn folder_says(file: &str, log: &str, words: &[&str]) {
 }
 
 #[test]
+fn subscripts_and_names_of_controllers_are_read() {
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w1},{w2},{m1},{m2}\n"));
+    let head = "time,omega(:,1),omega(:,2),torque(:,1),torque(:,2)\n";
+    let answers =
+        ["recordings.columns.dalpha1.unit=\"rad/s\"", "recordings.columns.dalpha2.unit=\"rad/s\""];
+    asked("run.csv", &format!("{head}{rows}"), &["dalpha1  = omega(:,1)"], &answers);
+    // a counter that is not connected is no motion
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},0,{w1},{m1},{w2},{m2}\n"));
+    let head = "timestamp,distance,odrv1.axis0.pos_vel_mapper.vel,odrv1.axis0.motor.foc.Iq_measured,\
+                odrv0.axis0.pos_vel_mapper.vel,odrv0.axis0.motor.foc.Iq_measured\n";
+    let words = ["dalpha1  = odrv1.axis0.pos_vel_mapper.vel in rev/s", "input in A"];
+    started("run.csv", &format!("{head}{rows}"), &words);
+}
+
+#[test]
 fn names_of_other_languages_state_quantity_and_side() {
     let rows = lines(|row| row.map(|x| format!("{x:.6}").replace('.', ",")).join(";") + "\n");
     for (head, right) in [
@@ -326,6 +341,15 @@ fn names_of_other_languages_state_quantity_and_side() {
             "velocita_dx [rad/s]",
         ),
         ("時間[s];右速度[rad/s];左速度[rad/s];右トルク[Nm];左トルク[Nm]", "右速度[rad/s]"),
+        ("tiempo (s);vel_der (rad/s);vel_izq (rad/s);par_der;par_izq", "vel_der (rad/s)"),
+        (
+            "Tid (s);Varvtal höger (varv/min);Varvtal vänster (varv/min);Vridmoment höger (Nm);Vridmoment vänster (Nm)",
+            "Varvtal höger (varv/min)",
+        ),
+        (
+            "Tijd [s];snelheid rechts [graden/s];snelheid links [graden/s];koppel rechts [Nm];koppel links [Nm]",
+            "snelheid rechts [graden/s]",
+        ),
         (
             "czas;prędkość_prawy [rad/s];prędkość_lewy [rad/s];moment_prawy;moment_lewy",
             "prędkość_prawy [rad/s]",
