@@ -106,8 +106,8 @@ pub struct Thresholds {
     /// Smallest relative difference of a parameter between recordings that is reported (judgement: smaller ones do not
     /// justify a second fit).
     pub least_difference: f64,
-    /// Number of standard errors by which the input of one recording acts at another time than in the others: one log in a
-    /// million by chance.
+    /// Number of standard errors by which the input of one recording acts at another time, or its angles start at other
+    /// values, than those of the others: one log in a million by chance.
     pub phase_differs: f64,
     /// Smallest difference of these times, in rows, that is corrected (judgement).
     pub least_phase: f64,

@@ -329,6 +329,20 @@ fn subscripts_and_names_of_controllers_are_read() {
 }
 
 #[test]
+fn of_many_columns_those_that_vary_are_listed_first() {
+    let constants = |text: &dyn Fn(usize) -> String| (0..60).map(text).collect::<String>();
+    let zeros = constants(&|_| ",0".into());
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3}{zeros},{w1},{w2},{m1},{m2}\n"));
+    let names = constants(&|k| format!(",param{k}"));
+    let folder = Folder::new();
+    folder.write("run.csv", &format!("t{names},first,second,third,fourth\n{rows}"));
+    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["which columns hold"]);
+    let text = folder.read("e.toml");
+    let listed = |name: &str| text.contains(&format!("#   {name} "));
+    assert!(listed("first") && listed("fourth") && !listed("param59"), "{text}");
+}
+
+#[test]
 fn names_of_other_languages_state_quantity_and_side() {
     let rows = lines(|row| row.map(|x| format!("{x:.6}").replace('.', ",")).join(";") + "\n");
     for (head, right) in [

@@ -65,6 +65,12 @@ pub(super) fn names(
         .unwrap_or_else(|| (None, (0..count).map(made_up).collect()))
 }
 
+/// Whether the commas in subscripts of MATLAB are those between the names of a line too.
+pub(super) fn has_bare_subscripts(line: &str, separator: char) -> bool {
+    let subscripts = ["(:,", ",:)"].iter().any(|part| line.contains(part));
+    separator == ',' && subscripts && !line.contains('"')
+}
+
 /// Names of MATLAB with the commas of their subscripts, which separate no cells: `velocity(:,1)`, `velocity(1,:)`.
 fn with_subscripts(cells: Vec<String>, separator: char) -> Vec<String> {
     let mut out: Vec<String> = vec![];
