@@ -143,7 +143,7 @@ fn on_lines(t: &[f64], places: &[f64], h: f64) -> Vec<f64> {
     (0..t.len()).map(on_line).collect()
 }
 
-/// Whether the sensors move more smoothly over `even` than over the stamps `t`. `false` if the motion does not tell.
+/// Whether the sensors move more smoothly over `even` than over the stamps `t`. `false` if the motion shows neither.
 fn is_smoother(values: &[[f64; 2]], t: &[f64], even: &[f64], pieces: &[Range<usize>]) -> bool {
     let pair = |k: usize| {
         let (stamped, even) = (errors(values, t, k), errors(values, even, k));

@@ -335,7 +335,7 @@ fn of_many_columns_those_that_vary_are_listed_first() {
     let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3}{zeros},{w1},{w2},{m1},{m2}\n"));
     let names = constants(&|k| format!(",param{k}"));
     let folder = Folder::new();
-    folder.write("run.csv", &format!("t{names},first,second,third,fourth\n{rows}"));
+    folder.write("run.csv", format!("t{names},first,second,third,fourth\n{rows}"));
     folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["which columns hold"]);
     let text = folder.read("e.toml");
     let listed = |name: &str| text.contains(&format!("#   {name} "));
