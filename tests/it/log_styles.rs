@@ -317,9 +317,7 @@ fn folder_says(file: &str, log: &str, words: &[&str]) {
 fn subscripts_and_names_of_controllers_are_read() {
     let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w1},{w2},{m1},{m2}\n"));
     let head = "time,omega(:,1),omega(:,2),torque(:,1),torque(:,2)\n";
-    let answers =
-        ["recordings.columns.dalpha1.unit=\"rad/s\"", "recordings.columns.dalpha2.unit=\"rad/s\""];
-    asked("run.csv", &format!("{head}{rows}"), &["dalpha1  = omega(:,1)"], &answers);
+    started("run.csv", &format!("{head}{rows}"), &["dalpha1  = omega(:,1)"]);
     // a counter that is not connected is no motion
     let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},0,{w1},{m1},{w2},{m2}\n"));
     let head = "timestamp,distance,odrv1.axis0.pos_vel_mapper.vel,odrv1.axis0.motor.foc.Iq_measured,\

@@ -63,7 +63,7 @@ pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
     ("mA", &["ма"]),
 ];
 
-/// The name of a unit by which the program knows it, where it is another spelling of that.
+/// The name of a unit in the program, where it is written in another way.
 pub(super) fn synonym(unit: &str) -> &str {
     let written = plain(unit);
     let meant = SPELLINGS.iter().find(|(_, others)| others.contains(&written.as_str()));

@@ -52,7 +52,7 @@ fn the_rows_of_frc_characterization_are_read() {
 #[test]
 fn other_objects_are_refused_with_what_is_missing() {
     let e = refused("x.json", b"{\"slow-forward\": [[1, 2, 3, 4]]}");
-    assert!(e.contains("no `sysid` that is true"), "{e}");
+    assert!(e.contains("neither a `sysid` that is true nor"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": []}");
     assert!(e.contains("expected tests such as slow-forward"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": [[1, 2, 3]]}");
