@@ -8,7 +8,7 @@
 //! rows           those in which the sensor with the most samples has one, or a slower one, or a measured input that has
 //!                fewer
 //! other sensors  the line between the samples around the row, and a measured input as well
-//! a command      the last sample: it holds until the next
+//! a command      the last sample: it holds until the next, which a controller may write shortly after the sensors of its cycle
 //! ```
 //! Between its samples a measured input is unknown, so rows are not added there. Interpolated values would be counted
 //! as measurements: angles with fewer samples than the speeds are discarded, and vice versa; if one wheel has fewer
@@ -175,14 +175,21 @@ pub(super) fn refreshed_alone(t: &[f64], values: &[f64]) -> Vec<bool> {
     refreshed(&Channels { t: t.to_vec(), alpha, omega: None, torque: vec![] })
 }
 
-/// The last sample at each row; none before the first.
-fn held(_: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
+/// Part of the period of a command within which a sample after a row is of the same cycle (judgement): the command acts this
+/// much too early then, and a whole cycle too late otherwise.
+const CYCLE: f64 = 0.1;
+
+/// The last sample at each row, or the next one of the same cycle; none before the first.
+fn held(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
+    let samples: Vec<usize> = (0..t.len()).filter(|&k| own[k]).collect();
+    let near = CYCLE * median_high(samples.windows(2).map(|w| t[w[1]] - t[w[0]]));
     let mut last = f64::NAN;
-    let hold = |(value, own): (&f64, &bool)| {
-        last = if *own { *value } else { last };
-        last
+    let mut read = |k: usize| {
+        let same = (k + 1..t.len()).take_while(|&j| t[j] - t[k] < near).find(|&j| own[j]);
+        last = if own[k] { values[k] } else { last };
+        same.filter(|_| !own[k]).map_or(last, |j| values[j])
     };
-    values.iter().zip(own).map(hold).collect()
+    (0..t.len()).map(&mut read).collect()
 }
 
 /// The line between the samples around each row; none before the first and after the last.
@@ -261,6 +268,24 @@ mod tests {
         let last = |t: f64| 0.05 * ((t - 0.007) / 0.05).floor() + 0.007;
         let off = |k: usize| (c.torque[k][0] - 0.1 * last(c.t[k] + 1e-9).cos()).abs();
         assert!((0..c.t.len()).all(|k| off(k) < 1e-12));
+    }
+
+    #[test]
+    fn a_command_that_is_written_after_the_sensors_is_of_their_cycle() {
+        let value = |cycle: usize| (0.3 * cycle as f64).sin();
+        let cycles =
+            (0..500).flat_map(|k| [(0.02 * k as f64, None), (0.02 * k as f64 + 2e-4, Some(k))]);
+        let rows: Vec<(f64, Option<usize>)> = cycles.collect();
+        let channels = Channels {
+            t: rows.iter().map(|row| row.0).collect(),
+            alpha: None,
+            omega: Some(rows.iter().map(|(t, k)| [k.map_or(t.sin(), |_| f64::NAN); 2]).collect()),
+            torque: rows.iter().map(|(_, k)| [k.map_or(f64::NAN, value); 2]).collect(),
+        };
+        let commanded = Context { commanded: true, ..Context::default() };
+        let c = condition(channels, &Settings::default(), &commanded).unwrap().channels;
+        assert_eq!(c.t.len(), 500);
+        assert!((0..500).all(|k| c.torque[k] == [value(k); 2]));
     }
 
     #[test]

@@ -202,6 +202,11 @@ pub enum Kind<C = usize, R = f64> {
     /// An input that the experiment file describes as held from row to row and that changes between the rows, as
     /// determined from the motion.
     StepsBetweenRows,
+    /// Rows that the logger lost, during which an input is held at values that were not recorded.
+    LostRows {
+        /// How many.
+        rows: C,
+    },
     /// Shift of the input relative to the mean of the recordings, as determined from the motion.
     Phase {
         /// Time \[s\].
@@ -383,6 +388,7 @@ impl Kind {
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
+            Self::LostRows { rows } => ("lost_rows", rows as f64, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
             Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),
             Self::StartAngle { angle_rad, .. } => ("start_angle", angle_rad, "rad"),

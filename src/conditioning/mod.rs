@@ -30,6 +30,7 @@ mod frozen;
 mod held_input;
 mod input;
 mod jitter;
+mod lost;
 mod rates;
 mod rows;
 mod sensors;
@@ -45,6 +46,7 @@ pub use counts::{Encoder, Encoders, common_encoders};
 pub(crate) use dead::DEAD_S;
 pub use error::ConditioningError;
 pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
+pub use lost::held_over_lost_rows;
 pub use settings::Settings;
 pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};
 

@@ -5,17 +5,11 @@ use rayon::prelude::*;
 use super::fit::{WindowFit, fit};
 use super::input_timing::SYMBOL;
 use super::scale::scale_of;
+use super::thresholds::THRESHOLDS;
 use super::windows::Windows;
 use crate::math::distribution::t_survival;
 use crate::recording::Recording;
 use crate::simulate::Hold;
-
-/// Chance that any parameter of any recording differs so far where all are one: one log in a million, as for the other
-/// differences between recordings.
-const CHANCE: f64 = 1e-6;
-/// Smallest relative difference of a parameter that is reported (judgement): smaller ones do not
-/// justify a second fit.
-const LEAST: f64 = 0.1;
 
 /// A parameter of one recording that differs from that of the others.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +69,8 @@ pub fn difference(common: &WindowFit, recordings: &[&Recording], hold: Hold) -> 
             let (mean, std_error) = (sum / weight, (one.1 + 1.0 / weight).sqrt());
             let apart = one.0 - mean;
             let chance = 2.0 * tried * t_survival(apart.abs() / std_error, degrees);
-            let least = surest.as_ref().map_or(CHANCE, |(chance, _)| *chance);
-            if chance < least && apart.abs() > LEAST * mean.abs() {
+            let least = surest.as_ref().map_or(THRESHOLDS.differs_by_chance, |(chance, _)| *chance);
+            if chance < least && apart.abs() > THRESHOLDS.least_difference * mean.abs() {
                 let (share, std_error) = (apart / mean, std_error / mean.abs());
                 let (recording, symbol) = (recordings[r].name().to_owned(), symbols[j].clone());
                 surest = Some((chance, Difference { recording, symbol, share, std_error }));

@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{held_input, more_likely_logging, speed_filter, timing};
+use super::{Accounts, held_input, more_likely_logging, speed_filter, timing};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -155,5 +155,6 @@ fn friction_that_is_larger_at_rest_is_no_low_pass_of_the_speeds() {
     let mut recording = breaking_away();
     let first = started(&model, &mut recording);
     assert_eq!(speed_filter(&model, &first, &[&recording], Hold::Linear), None);
-    assert!(more_likely_logging(&model, &first, &[&recording], Hold::Linear, false).is_none());
+    let averages = Accounts { averages: true, steps: false };
+    assert!(more_likely_logging(&model, &first, &[&recording], Hold::Linear, averages).is_none());
 }

@@ -13,9 +13,14 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::Hold;
 
-/// Factor on the scatter of the times of steps below which it must be less likely: an error of the model at the steps is as
-/// likely of any other size.
-const LESS: f64 = 0.25;
+/// The accounts that may be given beside that of the file.
+#[derive(Clone, Copy, Debug)]
+pub struct Accounts {
+    /// Averages of the speeds over the rows.
+    pub averages: bool,
+    /// Changes of an input between the rows that the file describes as held.
+    pub steps: bool,
+}
 
 /// An account of the recorded signals.
 #[derive(Clone, Debug)]
@@ -29,9 +34,9 @@ pub struct Logging {
 }
 
 /// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold`
-/// and the speeds are those of the wheels: averages of the speeds over the rows (not of `recordings` with angles), and,
-/// where `steps` allows it for an input that the file describes as held, changes of the input between the rows. This is
-/// asked where a model at `p` does not explain the motion within noise, or is late; `None` otherwise.
+/// and the speeds are those of the wheels: of those `allowed` averages of the speeds over the rows (not of `recordings`
+/// with angles), and changes of the input between the rows. This is asked where a model at `p` does not explain the
+/// motion within noise, or is late; `None` otherwise.
 ///
 /// ```text
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
@@ -47,14 +52,16 @@ pub fn more_likely_logging(
     p: &[f64],
     recordings: &[&Recording],
     hold: Hold,
-    steps: bool,
+    allowed: Accounts,
 ) -> Option<Logging> {
-    let steps = steps && hold == Hold::Constant;
-    if !steps && recordings.iter().any(|r| r.measured().alpha) {
+    let steps = allowed.steps && hold == Hold::Constant;
+    let averages = allowed.averages && !recordings.iter().any(|r| r.measured().alpha);
+    if !steps && !averages {
         return None;
     }
     let scale = scale_of(model, p, recordings);
-    let context = Context { model, recordings, scale: &scale, steps };
+    let allowed = Accounts { averages, steps };
+    let context = Context { model, recordings, scale: &scale, allowed };
     let found = context.likelier(p, hold)?;
     let Some((model, start)) = context.as_likely_with_effect(&found, hold) else {
         return Some(found.logging);
@@ -86,8 +93,7 @@ struct Context<'a, 'b> {
     model: &'b Model,
     recordings: &'b [&'a Recording],
     scale: &'b Scale,
-    /// Whether changes of the input between the rows are asked.
-    steps: bool,
+    allowed: Accounts,
 }
 
 impl<'a> Context<'a, '_> {
@@ -98,7 +104,10 @@ impl<'a> Context<'a, '_> {
     /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count`
     /// parameters.
     fn averaged(&self, plain: &Timed, count: usize, hold: Hold) -> Option<Account> {
-        let Self { model, recordings, scale, .. } = *self;
+        let Self { model, recordings, scale, allowed } = *self;
+        if !allowed.averages {
+            return None;
+        }
         let p = &plain.fit.p[..count];
         let search = Search { plain, model, p, recordings, hold, scale };
         let Averaged { low_pass, likelihood, p, error } = search.most_likely()?;
@@ -113,7 +122,9 @@ impl<'a> Context<'a, '_> {
         let hold = Hold::Linear;
         let Some(timed) = self.timed(self.model, p, hold) else { return vec![] };
         let of = |scatter| likelihood_with_scatter(&timed.fit, self.recordings, hold, scatter);
-        let [Some(likelihood), Some(less)] = [1.0, LESS].map(of) else { return vec![] };
+        let [Some(likelihood), Some(less)] = [1.0, THRESHOLDS.less_scatter].map(of) else {
+            return vec![];
+        };
         if likelihood <= less {
             return vec![];
         }
@@ -136,7 +147,7 @@ impl<'a> Context<'a, '_> {
         let averaged = self.averaged(&given, p.len(), hold);
         let averaged = averaged.filter(|a| is_surer(a, plain, a.error));
         let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
-        let between = if above && self.steps { self.between_rows(p) } else { vec![] };
+        let between = if above && self.allowed.steps { self.between_rows(p) } else { vec![] };
         let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
         // the errors of steps between the rows are small by their own large noise
         let between = between.filter(|a| is_surer(a, held, given.error()));
@@ -204,7 +215,8 @@ mod tests {
 
     fn account(recording: &Recording) -> Option<Logging> {
         let model = Model::base(Robot::amigobot());
-        more_likely_logging(&model, &model.initial(), &[recording], Hold::Constant, true)
+        let all = Accounts { averages: true, steps: true };
+        more_likely_logging(&model, &model.initial(), &[recording], Hold::Constant, all)
     }
 
     fn found(recording: &Recording) -> bool {

@@ -41,7 +41,7 @@ pub use fit::{WindowFit, fit};
 pub use hold::held_input;
 pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
 pub use judge::{Judge, Judgement};
-pub use logging::{Logging, more_likely_logging};
+pub use logging::{Accounts, Logging, more_likely_logging};
 pub use low_pass::{Computed, LowPass};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
 pub use outcome::{Diagnosis, Ranked, Step};

@@ -12,10 +12,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Hold, PhysicalDynamics};
 
-/// Standard errors by which the time of one recording differs from that of the others: one log in a million by chance.
-pub(super) const SURE: f64 = 5.0;
-/// Smallest difference of times, in rows, that is corrected (judgement).
-const LEAST: f64 = 0.1;
 /// Rows by which phases differ at most.
 const MOST: f64 = 1.0;
 /// Alignments in turn with the fit of the model: the first fit is to recordings that contradict each other.
@@ -58,7 +54,8 @@ pub fn phases(
         let mean = mean(own[..train].iter().map(|own| own.shift_s));
         let differs = |own: &Phase| {
             let apart = (own.shift_s - mean).abs();
-            apart > SURE * own.std_error_s && apart > LEAST * scale.step
+            apart > THRESHOLDS.phase_differs * own.std_error_s
+                && apart > THRESHOLDS.least_phase * scale.step
         };
         if round == 0 && !own.iter().any(differs) {
             return None;
@@ -70,7 +67,7 @@ pub fn phases(
         }
     }
     for (k, phase) in phases.iter_mut().enumerate() {
-        if phase.shift_s.abs() <= LEAST * scale.step {
+        if phase.shift_s.abs() <= THRESHOLDS.least_phase * scale.step {
             (phase.shift_s, moved[k]) = (0.0, recordings[k].clone());
         }
     }

@@ -95,6 +95,22 @@ pub struct Thresholds {
     pub logging: f64,
     /// Smallest number of held-out windows on which a reduction of the error can be tested.
     pub fewest_windows: usize,
+    /// Largest response of a speed to a relative change of a parameter that is linear, in top speeds: beyond it a change by
+    /// 1 %, an ordinary uncertainty, would change the speed by its whole range.
+    pub most_response: f64,
+    /// Factor on the scatter of the times of steps between the rows with which these must be less likely: an error of the
+    /// model at the steps is as likely with any scatter (judgement: half the standard deviation).
+    pub less_scatter: f64,
+    /// Probability that any parameter of any recording differs so far where all are one: one log in a million.
+    pub differs_by_chance: f64,
+    /// Smallest relative difference of a parameter between recordings that is reported (judgement: smaller ones do not
+    /// justify a second fit).
+    pub least_difference: f64,
+    /// Number of standard errors by which the input of one recording acts at another time, or its angles start at other
+    /// values, than those of the others: one log in a million by chance.
+    pub phase_differs: f64,
+    /// Smallest difference of these times, in rows, that is corrected (judgement).
+    pub least_phase: f64,
     /// Number of other effects of a step that are tried in its place if several effects are found (cost: one fit
     /// for each later effect).
     pub exchanged: usize,
@@ -138,6 +154,12 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     least_shift: 0.25,
     logging: 0.5,
     fewest_windows: 4,
+    most_response: 100.0,
+    less_scatter: 0.25,
+    differs_by_chance: 1e-6,
+    least_difference: 0.1,
+    phase_differs: 5.0,
+    least_phase: 0.1,
     exchanged: 4,
     dead_s: DEAD_S,
 };

@@ -2,9 +2,9 @@
 //! time of the recorded input.
 
 use super::plan::{MeasuredRecording, Plan};
-use crate::conditioning::{Action, Channel, Finding, Kind, Settings};
+use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
-    Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input,
+    Accounts, Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input,
     more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
     with_later_input,
 };
@@ -83,6 +83,9 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         // the share of noise that was assumed for linear interpolation
         share = share_of_noise(plan, &start);
     }
+    if plan.hold == Hold::Constant {
+        over_lost_rows(plan, asked.settings.rows);
+    }
     if asked.settings.rows {
         in_phase(plan, &start, share);
     }
@@ -108,6 +111,21 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     if asked.settings.starts {
         start_alike(plan);
+    }
+}
+
+/// Replaces held inputs by their mean until the next row where rows were lost, if `correct`, and reports this.
+fn over_lost_rows(plan: &mut Plan, correct: bool) {
+    for MeasuredRecording { recording, conditioning, .. } in &mut plan.recordings {
+        let Some((mean, rows)) = held_over_lost_rows(recording.t(), recording.torque()) else {
+            continue;
+        };
+        let lost =
+            |i| Finding::corrected(Channel::Input(i), Kind::LostRows { rows }, "rows", correct);
+        conditioning.extend([0, 1].map(lost));
+        if correct {
+            *recording = recording.with_torque(mean);
+        }
     }
 }
 
@@ -210,12 +228,10 @@ fn as_logged(
     train: &[&Recording],
     settings: Settings,
 ) -> Option<Vec<f64>> {
-    if !settings.speeds {
-        return None;
-    }
     // without a diagnosis the model need not be complete, and the file's `hold` stands
     let steps = settings.rows && plan.diagnosis.is_some();
-    let found = more_likely_logging(&plan.model, start, train, plan.hold, steps)?;
+    let allowed = Accounts { averages: settings.speeds, steps };
+    let found = more_likely_logging(&plan.model, start, train, plan.hold, allowed)?;
     if found.hold != plan.hold {
         let between =
             |i| Finding::corrected(Channel::Input(i), Kind::StepsBetweenRows, "rows", true);

@@ -1,6 +1,8 @@
 //! Contract tests of every physical method.
 
-use super::{Fit, Identifier, IdentifyError, Note, Task, TraceKind, Unknown, all, find};
+use super::{
+    Fit, Identifier, IdentifyError, Note, PhysicalBound, Task, TraceKind, Unknown, all, find,
+};
 use crate::model::Model;
 use crate::model::base::{A1, A2, A4};
 use crate::recording::{Channels, DriveUnit, Recording};
@@ -253,10 +255,12 @@ fn a_friction_that_would_be_negative_stays_at_its_bound_and_the_bound_is_named()
     assert!((free.estimate("b").unwrap().value + 0.002).abs() < 2e-4);
     let bound = identify(&*super::find("constrained_regression").unwrap(), &model, &train).unwrap();
     assert!(bound.estimate("b").unwrap().value.abs() < 1e-8);
-    let active = |n: &&Note| matches!(n, Note::ActiveBound { .. });
-    let active: Vec<String> = bound.notes.iter().filter(active).map(ToString::to_string).collect();
-    assert_eq!(active.len(), 1, "{active:?}");
-    assert!(active[0].starts_with("The bound b >= 0 is active"), "{active:?}");
+    let bounds = bound.notes.iter().filter_map(|note| match note {
+        Note::ActiveBound { bound, .. } => Some(bound.clone()),
+        _ => None,
+    });
+    let lower = PhysicalBound::Range { symbol: "b".into(), low: 0.0 };
+    assert_eq!(bounds.collect::<Vec<_>>(), [lower]);
 }
 
 #[test]

@@ -159,6 +159,7 @@ impl Fit {
 mod tests {
     use super::*;
     use crate::identify::find;
+    use crate::model::base::{A1, A2, COUNT};
     use crate::recording::Channels;
     use crate::robot::{Robot, State};
     use crate::simulate::{Hold, Input, simulate};
@@ -198,7 +199,8 @@ mod tests {
         assert!(fit.notes.iter().any(is_said), "{:?}", fit.notes);
         // without friction the time constant of the motion is right: J/k = 0.15 s
         let start = start.unwrap();
-        assert!(((start[0] + start[1]) / start[5] - 0.15).abs() < 0.03, "{start:?}");
+        let back_emf = start[COUNT]; // behind the base parameters
+        assert!(((start[A1] + start[A2]) / back_emf - 0.15).abs() < 0.03, "{start:?}");
         let (fit, start) = of(&|n| [8.0, 4.0, -6.0][n % 3]);
         assert!(fit.estimates[A4].identifiable && start.is_none(), "{:?}", fit.estimates);
     }

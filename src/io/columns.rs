@@ -1,9 +1,12 @@
 //! The column and unit of each quantity in a file.
 
+mod spelling;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
+use self::spelling::{SPELLINGS, plain, synonym};
 use super::IoError;
 use crate::catalogue::nearest;
 use crate::recording::DriveUnit;
@@ -322,63 +325,6 @@ fn quantity(key: &str) -> &'static str {
         "dalpha1" | "dalpha2" => "a speed",
         _ => "an input",
     }
-}
-
-fn plain(unit: &str) -> String {
-    unit.replace(['·', '*', '.', ' '], "").to_lowercase()
-}
-
-/// Other ways to write a unit.
-const SPELLINGS: [(&str, &[&str]); 29] = [
-    ("s", &["sec", "secs", "second", "seconds", "sek", "seg", "с", "秒", "초"]),
-    ("ms", &["мс", "毫秒", "ミリ秒", "밀리초"]),
-    ("rad", &["рад"]),
-    ("us", &["µs", "μs"]),
-    ("min", &["minute", "minutes"]),
-    ("h", &["hr", "hrs", "hour", "hours"]),
-    ("d", &["day", "days"]),
-    ("deg", &["degree", "degrees", "°"]),
-    ("rad/s", &["rad/sec", "rads/s", "рад/с", "弧度/秒"]),
-    ("deg/s", &["°/s", "deg/sec", "dps"]),
-    ("rev", &["turn", "turns", "revs", "rot"]),
-    ("rev/s", &["turn/s", "turns/s", "rot/s", "rev/sec", "rps"]),
-    (
-        "rpm",
-        &[
-            "1/min",
-            "r/min",
-            "rev/min",
-            "u/min",
-            "tr/min",
-            "giri/min",
-            "obr/min",
-            "об/мин",
-            "转/分",
-            "回転/分",
-        ],
-    ),
-    ("ticks", &["tick", "count", "counts"]),
-    ("ticks/s", &["ticks/sec", "counts/s", "counts/sec", "tps"]),
-    ("m/s", &["m/sec"]),
-    ("km/h", &["kmh", "kph"]),
-    ("ft", &["feet", "foot"]),
-    ("in", &["inch", "inches"]),
-    ("ft/s", &["ft/sec", "fps"]),
-    ("in/s", &["in/sec", "ips"]),
-    ("N m", &["n-m", "нм", "н-м"]),
-    ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
-    ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),
-    ("lb in", &["lb-in", "lbin", "lbfin", "lbf-in", "in-lb", "inlb"]),
-    ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
-    ("A", &["amp", "amps", "ampere", "amperes", "а"]),
-    ("V", &["volt", "volts", "в"]),
-    ("mA", &["ма"]),
-];
-
-fn synonym(unit: &str) -> &str {
-    let written = plain(unit);
-    let meant = SPELLINGS.iter().find(|(_, others)| others.contains(&written.as_str()));
-    meant.map_or(unit, |(name, _)| name)
 }
 
 /// Every quantity of the contract, and the units in which it may be recorded: as messages name

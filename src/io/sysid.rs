@@ -5,11 +5,16 @@
 //!   "slow-forward": [[t, left V, right V, left position, right position,
 //!                     left velocity, right velocity, heading, heading rate], …], … }
 //! ```
-//! Positions are in turns of the wheel. A test is a recording of its own, `file.json#slow-forward`;
+//! Positions are in turns of the wheel. Its predecessor frc-characterization (until 2020) wrote no `sysid`, and rows of t,
+//! battery voltage, command, left V, right V, left and right position, left and right velocity, and heading in later
+//! versions; their unit is that of the robot's program, and is not in the file.
+//!
+//! A test is a recording of its own, `file.json#slow-forward`;
 //! without a name all become one with gaps between them, in the order of time. Of other mechanisms the
 //! rows are t, voltage, position, velocity.
 //!
-//! Source: wpilibsuite/sysid, docs/data-collection.md and TelemetryManager::SaveJSON.
+//! Source: wpilibsuite/sysid, docs/data-collection.md and TelemetryManager::SaveJSON; wpilibsuite/frc-characterization,
+//! drive-characterization/data_analyzer.py.
 
 use std::path::Path;
 
@@ -30,6 +35,21 @@ const DRIVETRAIN: [&str; 9] = [
     "heading [rad]",
     "heading_rate [rad/s]",
 ];
+/// Of frc-characterization; the heading is missing in its first versions.
+const CHARACTERIZATION: [&str; 10] = [
+    "t",
+    "battery [V]",
+    "autospeed",
+    "left_voltage [V]",
+    "right_voltage [V]",
+    "left_position",
+    "right_position",
+    "left_velocity",
+    "right_velocity",
+    "heading [rad]",
+];
+/// The tests of frc-characterization.
+const TESTS: [&str; 4] = ["slow-forward", "slow-backward", "fast-forward", "fast-backward"];
 const MECHANISM: [&str; 4] = ["t", "voltage [V]", "position [rev]", "velocity [rev/s]"];
 
 /// A test with its rows.
@@ -82,13 +102,17 @@ fn object(path: &Path) -> Result<Map<String, Value>, IoError> {
         |reason: String| IoError::Format { file: shown(path), format: "SysId JSON".into(), reason };
     let object: Map<String, Value> = serde_json::from_slice(&bytes)
         .map_err(|e| wrong(format!("{e}; expected the object that SysId saved")))?;
-    if object.get("sysid") != Some(&Value::Bool(true)) {
-        let expected = "its object has no `sysid` that is true, so another program wrote it (older tools of FRC \
-                        wrote rows without names). Save its rows as CSV with a header, or as lists of numbers by \
+    if !is_of_sysid(&object) && !TESTS.iter().all(|test| object.contains_key(*test)) {
+        let expected = "its object has neither a `sysid` that is true nor the four tests of frc-characterization, so \
+                        another program wrote it. Save its rows as CSV with a header, or as lists of numbers by \
                         their names: {\"t\": [0, 0.01], \"left_volts\": [1, 2], …}";
         return Err(wrong(expected.into()));
     }
     Ok(object)
+}
+
+fn is_of_sysid(object: &Map<String, Value>) -> bool {
+    object.get("sysid") == Some(&Value::Bool(true))
 }
 
 fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damage> {
@@ -104,11 +128,15 @@ fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damag
         return Err(Damage::new("the object", "tests such as slow-forward with rows", "none"));
     };
     let width = first[0].len();
-    let names: &[&str] = match width {
-        9 => &DRIVETRAIN,
-        4 => &MECHANISM,
-        _ => {
-            let expected = "rows of 9 numbers (a drivetrain) or 4";
+    let names: &[&str] = match (is_of_sysid(object), width) {
+        (true, 9) => &DRIVETRAIN,
+        (true, 4) => &MECHANISM,
+        (false, 9 | 10) => &CHARACTERIZATION[..width],
+        (of_sysid, _) => {
+            let expected = match of_sysid {
+                true => "rows of 9 numbers (a drivetrain) or 4",
+                false => "rows of 9 or 10 numbers (a drivetrain)",
+            };
             return Err(Damage::new("the tests", expected, width.to_string()));
         }
     };

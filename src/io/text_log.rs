@@ -28,7 +28,7 @@ use std::io::Read;
 use std::path::Path;
 
 use self::decode::decoded;
-use self::header::names;
+use self::header::{has_bare_subscripts, names};
 use self::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use self::stamp::CLOCK;
 use super::IoError;
@@ -230,12 +230,12 @@ impl Table {
 }
 
 /// Whether the reader of plain CSV finds the same: the names in the first line that is neither blank nor a
-/// comment of `#`.
+/// comment of `#`, and no separator in them.
 fn is_plain(table: &Table, lines: &[&str]) -> bool {
     let first = lines.iter().position(|line| !is_blank(line) && !line.starts_with('#'));
     PLAIN.contains(&table.separator)
         && table.read.is_none()
-        && first.is_some()
+        && first.is_some_and(|k| !has_bare_subscripts(lines[k], table.separator))
         && table.header == first
         && table.before == 0
 }

@@ -184,7 +184,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
                 "window_rms_validation_before": c.before.window_rms,
                 "window_rms_validation_after": after(|j| j.window_rms),
                 "torque_rms": c.torque_rms,
-                "words": evidence(c, &d.errors),
+                "words": evidence(c, d),
                 "parameters": c.parameters.iter().map(estimate).collect::<Vec<_>>(),
             })
         })

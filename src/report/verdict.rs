@@ -11,6 +11,7 @@ pub(super) use self::effects::shifts_input;
 use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
 use crate::report::format::{in_text, percent, significant};
+use crate::report::words::simulation_error_over;
 use crate::study::{DiagnosisStudy, MethodAtFloor, Undetermined, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
@@ -38,8 +39,15 @@ pub(super) fn sentences(diagnosis: &DiagnosisStudy) -> Vec<String> {
     sentences.extend(likely_beside(diagnosis));
     sentences.extend(differs.iter().map(differs_words));
     sentences.extend(dependence.iter().map(|on| dependence::words(on, logging.unit)));
-    sentences.extend(formula.iter().map(|formula| formula::words(formula, errors)));
+    sentences.extend(
+        formula.iter().map(|formula| formula::words(formula, errors, &judged_error(diagnosis))),
+    );
     sentences
+}
+
+/// The name of the judged simulation error.
+fn judged_error(diagnosis: &DiagnosisStudy) -> String {
+    simulation_error_over(diagnosis.logging.longest_s)
 }
 
 /// States that the recordings differ, with the parameter that differs most significantly.
@@ -88,7 +96,7 @@ const OF_COLUMNS: &str = "The model cannot be determined from these columns: a1 
 /// The missing effects and the remaining error.
 fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
     let DiagnosisStudy { errors, effects, .. } = diagnosis;
-    let error = error::words(errors, effects.len());
+    let error = error::words(errors, effects.len(), &judged_error(diagnosis));
     let likely = || diagnosis.unproven.as_ref().map_or(String::new(), unproven);
     let unknown = "An effect outside the catalogue is missing.".to_owned();
     match diagnosis.verdict {
@@ -175,7 +183,7 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
 fn reason(why: Withheld) -> String {
     let text = match why {
         Withheld::Raises => {
-            "the 2 s simulation error rises; a correct model can show this where friction determines when a wheel stops"
+            "the simulation error rises; a correct model can show this where friction determines when a wheel stops"
         }
         Withheld::BetweenRows => {
             "the input between its rows could cause the same; record at a higher rate to decide"
@@ -226,7 +234,12 @@ mod tests {
             found: vec![],
             unproven: None,
             withheld: None,
-            logging: Logging { unit: DriveUnit::NewtonMetre, if_held: None, speeds_alone: false },
+            logging: Logging {
+                unit: DriveUnit::NewtonMetre,
+                if_held: None,
+                speeds_alone: false,
+                longest_s: 60.0,
+            },
             at_floor: None,
             differs: None,
             dependence: None,

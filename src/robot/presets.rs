@@ -72,7 +72,7 @@ pub fn amigobot() -> Preset {
 /// |---|---|
 /// | mass 9 kg in all, wheel diameter 195 mm | data sheet, as in the Webots guide |
 /// | body 6.73 kg, centre 60 mm behind the axle, body box 0.341 m x 0.261 m | Webots `Pioneer3dx.proto` |
-/// | track 0.33 m | simulation models of the robot; the firmware's effective track is 0.357 m (2 mm / `DiffConvFactor` 0.0056) |
+/// | track 0.33 m | simulation models; the firmware's effective track is 0.357 m (2 mm / `DiffConvFactor` 0.0056) |
 /// | wheels 1 kg each, caster 0.27 kg | estimated: what remains of the 9 kg |
 /// | wheel inertias | estimated: uniform discs, rotors not counted |
 /// | yaw inertia | estimated: uniform box of the body's size |
@@ -96,10 +96,11 @@ pub fn pioneer_3dx() -> Preset {
 /// | figure | from |
 /// |---|---|
 /// | wheel radius 0.033 m, wheels at +-0.08 m, caster at -0.081 m | `turtlebot3_burger.urdf` (ROBOTIS-GIT/turtlebot3) |
-/// | base 0.82573504 kg, wheel 0.02849894 kg, scanner 0.114 kg, caster 0.005 kg: 1.002 kg; the data sheet says 1 kg | same |
+/// | base 0.82573504, wheel 0.02849894, scanner 0.114, caster 0.005 kg: 1.002 kg; data sheet 1 kg | same |
 /// | wheel inertias 2.0712558e-5 (axle), 1.117558e-5 kg m² (diameter), base yaw inertia 2.0064271e-3 kg m² | same |
 /// | centre of mass 4.29 mm behind the axle | worked out from the file's masses and positions |
-/// | frame yaw inertia 2.21e-3 kg m² | base as published; scanner (disc of 35 mm) and caster moved to the common centre; the file's 0.001 kg m² for these two are placeholders and are not used |
+/// | frame yaw inertia 2.21e-3 kg m² | base as published, with scanner (disc of 35 mm) and caster at the common centre |
+/// | yaw inertias of scanner and caster | the file's 0.001 kg m² are placeholders and are not used |
 /// | friction | estimated; rotors behind the gear (1:258) are not in the file and not counted |
 #[must_use]
 pub fn turtlebot3_burger() -> Preset {
@@ -133,7 +134,8 @@ pub fn turtlebot3_burger() -> Preset {
 ///
 /// | figure | from |
 /// |---|---|
-/// | wheel radius 20.5 mm, track 53 mm, wheels 10 g, body 78 g and battery 42 g, two glides of 5 g at 22.5 mm | FARSA `phyepuck.cpp`, measured on a robot; the Webots guide has 20 mm, 52 mm, 150 g |
+/// | wheel radius 20.5 mm, track 53 mm | FARSA `phyepuck.cpp`, measured on a robot; the Webots guide has 20 and 52 mm |
+/// | wheels 10 g, body 78 g, battery 42 g, two glides of 5 g at 22.5 mm | the same; the Webots guide has 150 g in all |
 /// | yaw inertia | estimated: disc of 35 mm (body) and box of 43 mm x 55 mm (battery) of that file |
 /// | wheel inertias | estimated: uniform discs; the rotor behind the 50:1 gear is not counted |
 /// | centre of mass on the axle, friction | estimated; glides before and behind, so S is close to A |
@@ -156,7 +158,8 @@ pub fn e_puck() -> Preset {
 ///
 /// | figure | from |
 /// |---|---|
-/// | wheel radius 36 mm, track 0.235 m, diameter 0.3485 m, mass 3.5 kg, caster 0.13 m ahead | `create_2.urdf.xacro`, `create_base.urdf.xacro` (AutonomyLab/create_robot) |
+/// | wheel radius 36 mm, track 0.235 m, diameter 0.3485 m | `create_2.urdf.xacro` (AutonomyLab/create_robot) |
+/// | mass 3.5 kg, caster 0.13 m ahead | `create_base.urdf.xacro` of it |
 /// | wheels 0.2 kg each, caster 0.1 kg | estimated |
 /// | yaw inertia | estimated: uniform disc; the 0.5 kg m² of that file is a placeholder |
 /// | wheel inertias | estimated: uniform discs; the file's 0.001 kg m² at 0.01 kg are placeholders |
@@ -182,10 +185,12 @@ pub fn create_2() -> Preset {
 /// | figure | from |
 /// |---|---|
 /// | wheel radius 0.03 m, track 0.155 m | course model `regbot_1mg.m` |
-/// | wheel inertia 1.07e-4 kg m² | identified with the wheels off the floor (data sheet: rotor 1.3e-6 kg m² behind 9.69:1 gives 1.22e-4) |
-/// | frame mass 0.744 kg | from a1 + a2 = 4.87e-4 kg m² identified on the floor: 0.84 kg in all; the course model has 0.193 + 0.32 + 0.27 = 0.78 kg (motors, frame, top) |
+/// | wheel inertia 1.07e-4 kg m² | identified with the wheels off the floor; rotor 1.3e-6 kg m² behind 9.69:1: 1.22e-4 |
+/// | frame mass 0.744 kg | from a1 + a2 = 4.87e-4 kg m² identified on the floor: 0.84 kg in all |
+/// | the same in the course model | motors 0.193, frame 0.32, top 0.27 kg: 0.78 kg |
 /// | yaw inertia 1.56e-3 kg m² | from a1 - a2 = 2.93e-4 kg m² identified on the floor |
-/// | wheels 50 g, centre of mass 20 mm AHEAD of the axle (l2 negative), support 80 mm ahead, friction | estimated; that it lies ahead is measured (a3 negative) |
+/// | centre of mass 20 mm AHEAD of the axle (l2 negative) | estimated; that it lies ahead is measured (a3 negative) |
+/// | wheels 50 g, support 80 mm ahead, friction | estimated |
 #[must_use]
 pub fn regbot() -> Preset {
     let body = Body { mass: 0.744, behind: -0.02, yaw_inertia: 1.56e-3 };

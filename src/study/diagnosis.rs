@@ -183,6 +183,8 @@ pub struct Logging {
     pub if_held: Option<f64>,
     /// Whether speeds were recorded without angles, so that a delay of the speed sensor cannot be excluded.
     pub speeds_alone: bool,
+    /// Duration of the longest judged recording \[s\].
+    pub longest_s: f64,
 }
 
 /// A recommended next step. Effects are given by their ids, motions as described in the catalogue.

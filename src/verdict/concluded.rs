@@ -201,12 +201,14 @@ impl<'a> Concluded<'a> {
     }
 
     fn logging(&self) -> Logging {
-        let Basis { train, hold, .. } = self.basis;
+        let Basis { train, validation, hold, .. } = self.basis;
+        let judged = if validation.is_empty() { train } else { validation };
         let half_a_row = || 0.5 * train.iter().map(Recording::step).fold(0.0, f64::max);
         Logging {
             unit: train[0].drive_unit(),
             if_held: (*hold == Hold::Linear).then(half_a_row),
             speeds_alone: train.iter().all(|r| !r.measured().alpha),
+            longest_s: judged.iter().map(|r| r.duration()).fold(0.0, f64::max),
         }
     }
 }

@@ -314,6 +314,33 @@ fn folder_says(file: &str, log: &str, words: &[&str]) {
 }
 
 #[test]
+fn subscripts_and_names_of_controllers_are_read() {
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w1},{w2},{m1},{m2}\n"));
+    let head = "time,omega(:,1),omega(:,2),torque(:,1),torque(:,2)\n";
+    started("run.csv", &format!("{head}{rows}"), &["dalpha1  = omega(:,1)"]);
+    // a counter that is not connected is no motion
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},0,{w1},{m1},{w2},{m2}\n"));
+    let head = "timestamp,distance,odrv1.axis0.pos_vel_mapper.vel,odrv1.axis0.motor.foc.Iq_measured,\
+                odrv0.axis0.pos_vel_mapper.vel,odrv0.axis0.motor.foc.Iq_measured\n";
+    let words = ["dalpha1  = odrv1.axis0.pos_vel_mapper.vel in rev/s", "input in A"];
+    started("run.csv", &format!("{head}{rows}"), &words);
+}
+
+#[test]
+fn of_many_columns_those_that_vary_are_listed_first() {
+    let constants = |text: &dyn Fn(usize) -> String| (0..60).map(text).collect::<String>();
+    let zeros = constants(&|_| ",0".into());
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3}{zeros},{w1},{w2},{m1},{m2}\n"));
+    let names = constants(&|k| format!(",param{k}"));
+    let folder = Folder::new();
+    folder.write("run.csv", format!("t{names},first,second,third,fourth\n{rows}"));
+    folder.run(&["new", "run.csv", "-o", "e.toml"]).says(0, &["which columns hold"]);
+    let text = folder.read("e.toml");
+    let listed = |name: &str| text.contains(&format!("#   {name} "));
+    assert!(listed("first") && listed("fourth") && !listed("param59"), "{text}");
+}
+
+#[test]
 fn names_of_other_languages_state_quantity_and_side() {
     let rows = lines(|row| row.map(|x| format!("{x:.6}").replace('.', ",")).join(";") + "\n");
     for (head, right) in [
@@ -326,6 +353,15 @@ fn names_of_other_languages_state_quantity_and_side() {
             "velocita_dx [rad/s]",
         ),
         ("時間[s];右速度[rad/s];左速度[rad/s];右トルク[Nm];左トルク[Nm]", "右速度[rad/s]"),
+        ("tiempo (s);vel_der (rad/s);vel_izq (rad/s);par_der;par_izq", "vel_der (rad/s)"),
+        (
+            "Tid (s);Varvtal höger (varv/min);Varvtal vänster (varv/min);Vridmoment höger (Nm);Vridmoment vänster (Nm)",
+            "Varvtal höger (varv/min)",
+        ),
+        (
+            "Tijd [s];snelheid rechts [graden/s];snelheid links [graden/s];koppel rechts [Nm];koppel links [Nm]",
+            "snelheid rechts [graden/s]",
+        ),
         (
             "czas;prędkość_prawy [rad/s];prędkość_lewy [rad/s];moment_prawy;moment_lewy",
             "prędkość_prawy [rad/s]",

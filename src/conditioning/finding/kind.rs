@@ -58,6 +58,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             },
             Self::HeldInput => Kind::HeldInput,
             Self::StepsBetweenRows => Kind::StepsBetweenRows,
+            Self::LostRows { rows } => Kind::LostRows { rows: whole(rows) },
             Self::Phase { shift_s, std_error_s } => {
                 Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }
             }

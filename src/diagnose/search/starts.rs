@@ -9,7 +9,6 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::phases::SURE;
 use crate::diagnose::regression::Buffers;
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -119,7 +118,7 @@ fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
             (within_turn(wave, found.shifts[r][w]), found.std_errors[r][w]);
         let (size, error) = (angle.abs() * wave.order, std_error_rad * wave.order);
         // another effect that is missing too adds errors that are not independent
-        let worth = error < KNOWN && size > LEAST && size > SURE * error;
+        let worth = error < KNOWN && size > LEAST && size > THRESHOLDS.phase_differs * error;
         worth.then_some(StartAngle { of: wave.of, angle_rad: angle, std_error_rad })
     };
     found.waves.iter().enumerate().filter_map(one).collect()

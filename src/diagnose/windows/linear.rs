@@ -10,21 +10,18 @@
 //! changes.
 
 use super::window::See;
-
-/// Largest response of a speed to a relative change of a parameter that is taken as linear, in top speeds: beyond it a
-/// change by 1 %, an ordinary uncertainty, would change the speed by its whole range.
-const MOST_RESPONSE: f64 = 100.0;
+use crate::diagnose::THRESHOLDS;
 
 /// Parameters in units of the largest linear response of a speed to them.
 pub(super) struct Linear {
-    /// `(p/(MOST_RESPONSE top speed))²` of each estimated parameter, in the unit of its square times s²/rad².
+    /// `(p/(most_response top speed))²` of each estimated parameter, in the unit of its square times s²/rad².
     squares: Vec<f64>,
 }
 
 impl Linear {
     /// For parameters of these `sizes`, and wheels that reach `top` [rad/s].
     pub(super) fn new(sizes: &[f64], top: f64) -> Self {
-        let most = MOST_RESPONSE * top;
+        let most = THRESHOLDS.most_response * top;
         Self { squares: sizes.iter().map(|size| (size / most).powi(2)).collect() }
     }
 
@@ -49,7 +46,7 @@ impl Linear {
     /// less the farther it is from linear.
     ///
     /// ```text
-    /// min(1, 1/ρ²),   ρ² = Σ (ψ_j p_j)² / (MOST_RESPONSE top speed)²
+    /// min(1, 1/ρ²),   ρ² = Σ (ψ_j p_j)² / (most_response top speed)²
     /// ```
     pub(super) fn factor(&self, psi: &[f64]) -> f64 {
         let square: f64 = psi.iter().zip(&self.squares).map(|(d, s)| d * d * s).sum();

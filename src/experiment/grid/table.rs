@@ -11,7 +11,8 @@
 //! | `value`, `std_error`, `ci95_low`, `ci95_high` | number | estimate; NaN where there is none |
 //! | `truth` | number | true value of synthetic data, else NaN |
 //! | `ise_train` | number | quality index summed over the training recordings [rad^2/s] |
-//! | `ise_validation`, `window_rms_validation` | number | on the validation recordings, or on the training ones where there are none [rad^2/s, rad/s] |
+//! | `ise_validation` | number | the same on the validation recordings, if there are any [rad^2/s] |
+//! | `window_rms_validation` | number | 2 s simulation error on the same recordings [rad/s] |
 //! | `floor` | number | 2 s simulation error of the noise alone on the same recordings [rad/s] |
 //! | `status` | text | `converged`, `iteration_limit`, `stalled` or `failed` |
 //! | `reason` | text | why it failed |

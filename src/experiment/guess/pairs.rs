@@ -2,6 +2,7 @@
 
 use super::guessed::{Candidate, Guessed};
 use super::names::{MEASURED, Quantity, Side};
+use super::samples::never_varies;
 use super::shafts;
 use super::shares;
 use super::values::fits;
@@ -212,7 +213,8 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
 }
 
 /// The one column of a quantity, for both wheels: that of a wheel, else of a motor, with the fewest other words.
-/// Set-points come last, and are never used as the motion.
+/// Set-points come last, and are never used as the motion, nor is a column of one value: a counter of a logger that is
+/// not connected.
 pub(super) fn one(
     all: &[Candidate],
     quantity: Quantity,
@@ -220,7 +222,8 @@ pub(super) fn one(
 ) -> Option<[Guessed; 2]> {
     let moves = matches!(quantity, Quantity::Angle | Quantity::Speed);
     let fits = |c: &&Candidate| {
-        c.named.quantity == Some(quantity) && c.named.side.is_none() && !(c.named.wished && moves)
+        let is_motion = || !c.named.wished && !never_varies(c.column);
+        c.named.quantity == Some(quantity) && c.named.side.is_none() && (!moves || is_motion())
     };
     let rank = |c: &Candidate| {
         let n = &c.named;

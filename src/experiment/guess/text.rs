@@ -7,6 +7,7 @@ use super::guessed::{About, Guess, Guessed, Question};
 use super::lengths::{Length, Lengths};
 use super::model_key::effects_of;
 use super::names::named;
+use super::samples::never_varies;
 use super::stated::si;
 use crate::diagnose;
 use crate::io::PreviewColumn;
@@ -254,9 +255,13 @@ fn questions(out: &mut String, w: &Written) {
         c.name == name || c.plus.iter().any(|n| n == name) || beside.contains(&Some(name))
     };
     let used = |name: &str| w.guess.columns.iter().any(|c| is_used(c, name));
-    let open: Vec<&PreviewColumn> = w.columns.iter().filter(|c| !used(&c.name)).collect();
+    let mut open: Vec<&PreviewColumn> = w.columns.iter().filter(|c| !used(&c.name)).collect();
     if open.is_empty() {
         return;
+    }
+    if open.len() > SHOWN {
+        // a column of one value is neither motion nor input
+        open.sort_by_key(|c| (never_varies(c), named(&c.name).quantity.is_none()));
     }
     out.push_str("# Unused columns, with their first values and their range:\n");
     for column in open.iter().take(SHOWN) {

@@ -130,13 +130,19 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     guess.ask_all(asked);
 }
 
+/// Ends of the names of ODrive's estimates, of firmware 0.5 and from 0.6 on.
+const ODRIVE_ANGLES: [&str; 3] =
+    ["pos_estimate", "pos_vel_mapper.pos_rel", "pos_vel_mapper.pos_abs"];
+const ODRIVE_SPEEDS: [&str; 2] = ["vel_estimate", "pos_vel_mapper.vel"];
+
 /// The unit of a controller whose column names are known and contain no unit.
 fn of_controller(values: &[f64], one: &mut Guessed) {
     let (angle, speed) = (one.key.starts_with("alpha"), one.key.starts_with("dalpha"));
     let name = one.name.to_lowercase();
-    let (unit, scale, per_turn, why) = if angle && name.ends_with("pos_estimate") {
+    let is_of_odrive = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+    let (unit, scale, per_turn, why) = if angle && is_of_odrive(&ODRIVE_ANGLES) {
         ("rev", None, None, "ODrive counts in turns")
-    } else if speed && name.ends_with("vel_estimate") {
+    } else if speed && is_of_odrive(&ODRIVE_SPEEDS) {
         ("rev/s", None, None, "ODrive counts in turns")
     } else if !name.contains("present_") || !whole(values) {
         return;

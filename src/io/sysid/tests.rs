@@ -33,9 +33,26 @@ fn the_tests_of_a_file_become_one_recording_with_a_gap() {
 }
 
 #[test]
+fn the_rows_of_frc_characterization_are_read() {
+    let row = |t: f64| format!("[{t}, 12.5, 0.2, 1.5, -2.5, 10, 20, 30, 40, 0.5]");
+    let test = |k: usize| format!("\"{}\": [{}, {}]", TESTS[k], row(k as f64), row(k as f64 + 0.5));
+    let text = format!("{{{}}}", [0, 1, 2, 3].map(test).join(", "));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("old.json");
+    std::fs::write(&path, &text).unwrap();
+    let found = read(&path, Some("fast-backward")).unwrap();
+    let of = |name: &str| found.iter().find(|(n, _)| n == name).unwrap().1.clone();
+    assert_eq!(of("t"), [3.0, 3.5]);
+    assert_eq!((of("right_voltage [V]")[0], of("left_velocity")[1]), (-2.5, 30.0));
+    assert_eq!(super::tests(&path).unwrap().len(), 4);
+    std::fs::write(&path, text.replace(", 0.5]", "]")).unwrap();
+    assert_eq!(read(&path, None).unwrap().len(), 9);
+}
+
+#[test]
 fn other_objects_are_refused_with_what_is_missing() {
     let e = refused("x.json", b"{\"slow-forward\": [[1, 2, 3, 4]]}");
-    assert!(e.contains("no `sysid` that is true"), "{e}");
+    assert!(e.contains("neither a `sysid` that is true nor"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": []}");
     assert!(e.contains("expected tests such as slow-forward"), "{e}");
     let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": [[1, 2, 3]]}");

@@ -27,7 +27,7 @@ pub(super) fn names(
         cells.len() == count && cells.iter().all(named) && cells.iter().any(|c| !c.is_empty())
     };
     let named_cells = |line: &str, separator: char| {
-        let mut cells = cells(line, separator);
+        let mut cells = with_subscripts(cells(line, separator), separator);
         if separator == ' ' && cells.len() > count {
             cells = with_their_units(&cells);
         }
@@ -63,6 +63,26 @@ pub(super) fn names(
         .or_else(|| rows.named(&named_cells, &no_number, false))
         .or_else(|| longer(lines, first, separator, count))
         .unwrap_or_else(|| (None, (0..count).map(made_up).collect()))
+}
+
+/// Whether the commas in subscripts of MATLAB are those between the names of a line too.
+pub(super) fn has_bare_subscripts(line: &str, separator: char) -> bool {
+    let subscripts = ["(:,", ",:)"].iter().any(|part| line.contains(part));
+    separator == ',' && subscripts && !line.contains('"')
+}
+
+/// Names of MATLAB with the commas of their subscripts, which separate no cells: `velocity(:,1)`, `velocity(1,:)`.
+fn with_subscripts(cells: Vec<String>, separator: char) -> Vec<String> {
+    let mut out: Vec<String> = vec![];
+    for cell in cells {
+        match out.last_mut() {
+            Some(last) if separator == ',' && (last.ends_with("(:") || cell == ":)") => {
+                *last = format!("{last},{cell}");
+            }
+            _ => out.push(cell),
+        }
+    }
+    out
 }
 
 /// Names in words with the units in brackets behind them: `t [s] speed [rad/s]` are two.
@@ -319,6 +339,13 @@ mod tests {
         // names that come again, with those of the sides above them
         let two = [",left,,right", "t,speed,t,speed", "0,1,0,2"];
         assert_eq!(names(&two, 2, ',', 4).1, ["t", "left speed", "left t", "right speed"]);
+    }
+
+    #[test]
+    fn the_commas_of_subscripts_separate_no_names() {
+        let lines = ["time,velocity(:,1),velocity(:,2),torque(1,:)", "0,1,2,3"];
+        let found = names(&lines, 1, ',', 4).1;
+        assert_eq!(found, ["time", "velocity(:,1)", "velocity(:,2)", "torque(1,:)"]);
     }
 
     #[test]

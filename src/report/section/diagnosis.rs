@@ -1,7 +1,7 @@
 //! Which effect is missing, with the evidence.
 
 use super::{Depth, Section, words};
-use crate::diagnose::{Errors, Judgement, Proposal, THRESHOLDS, explainable};
+use crate::diagnose::{Judgement, Proposal, THRESHOLDS, explainable};
 use crate::report::block::{Block, Cell, Column, Table, Text, Tone};
 use crate::report::figure::{Axis, BarSeries, Bars, ColourRole, Figure, Layer, Panel};
 use crate::report::verdict::{caused, recommends};
@@ -179,10 +179,10 @@ fn by_probability(ranking: &[CandidateStudy]) -> Vec<&CandidateStudy> {
 fn described(diagnosis: &DiagnosisStudy) -> Vec<Text> {
     let ranking = by_probability(&diagnosis.ranking).into_iter().enumerate().take(SHOWN);
     let likely = ranking.filter(|(place, c)| *place < DESCRIBED || c.probability > LIKELY);
-    likely.map(|(_, candidate)| describe(candidate, &diagnosis.errors)).collect()
+    likely.map(|(_, candidate)| describe(candidate, diagnosis)).collect()
 }
 
-fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
+fn describe(candidate: &CandidateStudy, diagnosis: &DiagnosisStudy) -> Text {
     let mut text = Text::default()
         .strong(words::effect(&candidate.effect))
         .plain(" (")
@@ -195,7 +195,7 @@ fn describe(candidate: &CandidateStudy, errors: &Errors) -> Text {
             ),
             false => "), without a probability, since its fit could not be compared: ".into(),
         })
-        .plain(format!("{}.", evidence(candidate, errors)));
+        .plain(format!("{}.", evidence(candidate, diagnosis)));
     if !candidate.parameters.is_empty() {
         text = text.plain(format!(" {}.", words::list(&parameters(candidate))));
     }

@@ -43,7 +43,7 @@ impl Section for Emulator {
             blocks.push(Block::paragraph(
                 Text::from("Takagi-Sugeno systems f31 and f41, fitted by ")
                     .strong(&name)
-                    .plain(", the fuzzy method with the lowest 2 s simulation error."),
+                    .plain(", the fuzzy method with the lowest simulation error."),
             ));
             blocks.extend(rules::figures(study, &name, system).into_iter().map(Block::from));
         }

@@ -35,7 +35,7 @@ impl Section for Methods {
 
     fn how_to_read(&self) -> &'static str {
         "ISE is the integral of the squared errors of both wheel speeds, summed over the recordings; \
-         with noisy inputs a free simulation drifts, so compare methods by their 2 s simulation error, and \
+         with noisy inputs a free simulation drifts, so compare methods by their simulation error over 2 s at most, and \
          both with the noise floor."
     }
 
@@ -229,12 +229,13 @@ fn worse(study: &Study, method: &MethodStudy) -> Option<String> {
     is_far.then(|| {
         let (times, best) = (format::significant(ratio, 2), words::method(study, best));
         format!(
-            ": Its 2 s simulation error is {times} times that of {best} on the same recordings; prefer the estimates of {best}."
+            ": Its {} is {times} times that of {best} on the same recordings; prefer the estimates of {best}.",
+            words::simulation_error(study)
         )
     })
 }
 
-/// 2 s simulation error of every method, with the noise floor.
+/// Simulation error of every method, with the noise floor.
 fn figure(study: &Study) -> Option<Figure> {
     let fitted: Vec<(&MethodStudy, f64)> = study
         .methods

@@ -63,7 +63,7 @@ impl<'a> Overlay<'a> {
         let figure = Figure::new("overlay", title)
             .with_subtitle(format!("{} ({}){place}", self.recording.file, self.used()))
             .with_caption(format!(
-                "Wheel speeds ω₁ (right) and ω₂ (left). Simulations start anew from the measured motion every 2 s; \
+                "Wheel speeds ω₁ (right) and ω₂ (left). Simulations start anew from the measured motion every 2 s, or once where it is shorter; \
                  the legend gives their RMS error over the whole recording{}.",
                 self.among()
             ));

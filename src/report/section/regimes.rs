@@ -24,7 +24,7 @@ impl Section for Regimes {
 
     fn how_to_read(&self) -> &'static str {
         "A ratio of 1 means that noise explains the error, but an error made in one regime is carried \
-         into the next until the simulation of 2 s ends; a star marks where the error is above 1.2 times the floor and the mean \
+         into the next until the simulation ends (after 2 s at most); a star marks where the error is above 1.2 times the floor and the mean \
          residual torque is significant at 5 % after correction for multiple tests (Holm)."
     }
 
@@ -94,9 +94,9 @@ fn map(study: &Study, models: &[(String, &[Failure])]) -> Figure {
     let all = models.iter().flat_map(|m| m.1).map(|f| f.ratio_to_noise);
     let most = all.filter(|v| v.is_finite()).fold(2.0, f64::max);
     let mut figure = Figure::new("regimes", title(models))
-        .with_subtitle(format!("2 s simulation error over noise floor, {} data", study.judged_words()))
+        .with_subtitle(format!("{} over noise floor, {} data", words::simulation_error(study), study.judged_words()))
         .with_caption(
-            "Root mean square 2 s simulation error by regime of driving and wheel, over that of the noise \
+            "Root mean square simulation error by regime of driving and wheel, over that of the noise \
              floor of the recording: where recordings differ in their floors, ratios differ from that of all \
              together. A star: the residual torque is significant, and the error above 1.2 times the floor.",
         )
@@ -158,7 +158,7 @@ fn table(study: &Study, models: &[(String, &[Failure])]) -> Table {
     }
     let caption = format!(
         "Driving regimes on {} data, those with a significant residual torque and an error above 1.2 times the floor (marked) \
-         first, then by the ratio of error to noise: share of the summed squared 2 s simulation error, and the mean \
+         first, then by the ratio of error to noise: share of the summed squared simulation error, and the mean \
          residual torque ± standard error (over blocks of 1 s), with its p-value, not corrected for the number of regimes; a \
          dash where fewer than four blocks are in motion.",
         study.judged_words()

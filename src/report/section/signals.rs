@@ -123,7 +123,7 @@ fn path(study: &Study, recording: &RecordingStudy, windows: &[[f64; 2]]) -> Figu
     let mut figure = Figure::new("path", title_of_path(study, marked, over_floor.len()))
         .with_subtitle(&recording.file)
         .with_caption(
-            "Path of the axle's centre, computed from the wheel angles; dots mark where the 2 s simulation \
+            "Path of the axle's centre, computed from the wheel angles; dots mark where the simulation \
              error, averaged over 0.2 s, exceeds twice the noise floor.",
         )
         .with_panel(panel);

@@ -135,7 +135,7 @@ fn figure(study: &Study, id: &str, lead: &str, stairs: &[Stair]) -> Figure {
 
 fn table(study: &Study, lead: &str, stairs: &[Stair]) -> Table {
     let caption = format!(
-        "{lead}. Remaining: mean square 2 s simulation error above the noise floor, as a share of that \
+        "{lead}. Remaining: mean square simulation error above the noise floor, as a share of that \
          of the first model (a dash where that is at the floor); the quality index is that of the free simulation. On {} data.",
         study.judged_words()
     );

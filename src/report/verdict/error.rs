@@ -4,8 +4,9 @@ use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FAR_BELOW_FLOOR;
 
-/// "This removes 92 % of the mean square error above the noise floor; …": the error with this number of effects `found`.
-pub(super) fn words(errors: &Errors, found: usize) -> String {
+/// "This removes 92 % of the mean square error above the noise floor; …": the error with this number of effects `found`,
+/// `named` by the length of its windows.
+pub(super) fn words(errors: &Errors, found: usize, named: &str) -> String {
     let ratio = errors.ratio();
     if !ratio.is_finite() {
         return "The simulation of the model diverges on the judged recordings.".into();
@@ -17,22 +18,21 @@ pub(super) fn words(errors: &Errors, found: usize) -> String {
     };
     match (found, ratio <= THRESHOLDS.at_floor) {
         (_, true) if ratio < FAR_BELOW_FLOOR => format!(
-            "{with} 2 s simulation error is {ratio:.2} times the noise floor. The floor is only an upper bound here: it \
+            "{with} {named} is {ratio:.2} times the noise floor. The floor is only an upper bound here: it \
              contains noise of the input, estimated from its changes from row to row, which may be part of the command, and \
              the input between the rows."
         ),
         (1.., true) if errors.was_at_floor() => format!(
-            "{} influence on this motion is small: the 2 s simulation error was at the noise floor before and falls by {}.",
+            "{} influence on this motion is small: the {named} was at the noise floor before and falls by {}.",
             if found == 1 { "Its" } else { "Their" },
             format::percent(errors.fall())
         ),
-        (_, true) => format!("{with} 2 s simulation error is at the noise floor."),
-        (0, false) => format!(
-            "The 2 s simulation error is {ratio:.1} times the noise floor{}.",
-            in_perspective(errors)
-        ),
+        (_, true) => format!("{with} {named} is at the noise floor."),
+        (0, false) => {
+            format!("The {named} is {ratio:.1} times the noise floor{}.", in_perspective(errors))
+        }
         (_, false) => format!(
-            "This removes {} of the mean square error above the noise floor; the 2 s simulation error is still {ratio:.1} \
+            "This removes {} of the mean square error above the noise floor; the {named} is still {ratio:.1} \
              times the floor{}.",
             removed(errors.unexplained()),
             in_perspective(errors)

@@ -1,14 +1,19 @@
 //! Text on the evidence for a candidate.
 
 use super::error::removed;
+use super::judged_error;
 use crate::diagnose::{Errors, explainable};
 use crate::report::format::fixed;
-use crate::study::CandidateStudy;
+use crate::study::{CandidateStudy, DiagnosisStudy};
 
 /// "removes 92 % of the mean square error above the noise floor: the 2 s simulation error falls from …"; for a candidate
-/// without computed errors, the likelihood ratios of the screening. `errors`: those of the diagnosis.
+/// without computed errors, the likelihood ratios of the screening.
 #[must_use]
-pub fn evidence(candidate: &CandidateStudy, errors: &Errors) -> String {
+pub fn evidence(candidate: &CandidateStudy, diagnosis: &DiagnosisStudy) -> String {
+    stated(candidate, &diagnosis.errors, &judged_error(diagnosis))
+}
+
+fn stated(candidate: &CandidateStudy, errors: &Errors, named: &str) -> String {
     let CandidateStudy { before, after: Some(after), .. } = candidate else {
         return format!(
             "not refitted (likelihood ratio {:.0} by regression, {:.0} over the windows)",
@@ -24,12 +29,12 @@ pub fn evidence(candidate: &CandidateStudy, errors: &Errors) -> String {
     let [from, to] = [before, after].map(|error| fixed(error.window_rms, 4));
     let floor = fixed(errors.floor.sqrt(), 4);
     let changed = match gained > 0.0 {
-        _ if from == to => format!("leaves the 2 s simulation error at {from} rad/s"),
+        _ if from == to => format!("leaves the {named} at {from} rad/s"),
         true => {
             let share = share.unwrap_or_default();
-            format!("{share}the 2 s simulation error falls from {from} to {to} rad/s")
+            format!("{share}the {named} falls from {from} to {to} rad/s")
         }
-        false => format!("the 2 s simulation error rises from {from} to {to} rad/s"),
+        false => format!("the {named} rises from {from} to {to} rad/s"),
     };
     format!("{changed} (noise floor {floor})")
 }
@@ -66,7 +71,7 @@ mod tests {
             slow_floor: false,
             speed: 1e4,
         };
-        evidence(&candidate, &errors)
+        stated(&candidate, &errors, "2 s simulation error")
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::study::FormulaStudy;
 
 /// "A formula for this dependence (heading_resistance) lowers the 2 s simulation error to 0.061 rad/s, 1.7 times the
 /// noise floor."
-pub(super) fn words(formula: &FormulaStudy, errors: &Errors) -> String {
+pub(super) fn words(formula: &FormulaStudy, errors: &Errors, named: &str) -> String {
     let FormulaStudy { id, in_place, window_rms, .. } = formula;
     let place = if *in_place { ", in place of the effects found," } else { "" };
     let over = match window_rms / errors.floor.sqrt() {
@@ -16,7 +16,7 @@ pub(super) fn words(formula: &FormulaStudy, errors: &Errors) -> String {
     };
     let error = format::significant(*window_rms, 3);
     format!(
-        "A formula for this dependence ({id}){place} lowers the 2 s simulation error to {error} rad/s{over}."
+        "A formula for this dependence ({id}){place} lowers the {named} to {error} rad/s{over}."
     )
 }
 
@@ -43,12 +43,13 @@ mod tests {
             speed: 1e4,
         };
         assert_eq!(
-            words(&formula(0.0612, true), &errors),
+            words(&formula(0.0612, true), &errors, "2 s simulation error"),
             "A formula for this dependence (heading_resistance), in place of the effects found, lowers the 2 s \
              simulation error to 0.0612 rad/s, 1.7 times the noise floor."
         );
         assert!(
-            words(&formula(0.0412, false), &errors).ends_with("0.0412 rad/s, at the noise floor.")
+            words(&formula(0.0412, false), &errors, "2 s simulation error")
+                .ends_with("0.0412 rad/s, at the noise floor.")
         );
     }
 }

@@ -9,10 +9,11 @@ const WINDOW: f64 = 2.0;
 #[must_use]
 pub fn simulation_error(study: &Study) -> String {
     let durations = study.judged().into_iter().map(|r| study.recordings[r].duration_s);
-    named(durations.fold(0.0, f64::max))
+    simulation_error_over(durations.fold(0.0, f64::max))
 }
 
-fn named(longest: f64) -> String {
+/// The same for judged recordings of which the longest lasts so many seconds.
+pub(in crate::report) fn simulation_error_over(longest: f64) -> String {
     // tenths of a second
     let window = (10.0 * longest.min(WINDOW)).round() / 10.0;
     let window = if window > 0.0 { window } else { WINDOW };
@@ -21,14 +22,14 @@ fn named(longest: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::named;
+    use super::simulation_error_over;
 
     #[test]
     fn the_name_has_the_length_of_the_windows() {
-        assert_eq!(named(30.0), "2 s simulation error");
-        assert_eq!(named(1.97), "2 s simulation error");
-        assert_eq!(named(0.52), "0.5 s simulation error");
+        assert_eq!(simulation_error_over(30.0), "2 s simulation error");
+        assert_eq!(simulation_error_over(1.97), "2 s simulation error");
+        assert_eq!(simulation_error_over(0.52), "0.5 s simulation error");
         // no recording
-        assert_eq!(named(0.0), "2 s simulation error");
+        assert_eq!(simulation_error_over(0.0), "2 s simulation error");
     }
 }

@@ -165,6 +165,10 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} changes between the rows although the file states hold = \"constant\": its steps act at times that \
              scatter over the row (the controller runs faster than the log, or beside it)"
         ),
+        Kind::LostRows { rows } => format!(
+            "{name} is held from row to row, but its values in {} that the logger lost are unknown",
+            one(rows, "row")
+        ),
         Kind::HeldInput => format!(
             "{name} is held between the rows: the motion follows a held input better than a linear one"
         ),
@@ -256,6 +260,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::StepsBetweenRows => {
             "interpolated between the rows, and the noise floor includes the unknown times"
         }
+        Kind::LostRows { .. } => "on the line between the rows around them",
         Kind::HeldInput => "simulated as held (hold = \"linear\" interpolates between the rows)",
         Kind::Phase { .. } => "shifted by this time",
         Kind::StartHeading { .. } => "the angles are shifted",

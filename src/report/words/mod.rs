@@ -8,3 +8,4 @@ mod name;
 mod note;
 
 pub use self::error_name::simulation_error;
+pub(super) use self::error_name::simulation_error_over;

@@ -278,6 +278,11 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
             "giri/min",
             "об/мин",
             "obr/min",
+            "varv/min",
+            "omw/min",
+            "toeren/min",
+            "omdr/min",
+            "ot/min",
         ],
         "rpm",
         Some(Quantity::Speed),
@@ -305,7 +310,14 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
     (&["mrad/s", "mrad/sec", "mradps", "mradpers", "mradpersec"], "mrad/s", Some(Quantity::Speed)),
     (&["mrad"], "mrad", Some(Quantity::Angle)),
     (&["radians", "rad", "рад"], "rad", Some(Quantity::Angle)),
-    (&["degrees", "degree", "deg", "grad"], "deg", Some(Quantity::Angle)),
+    (
+        &[
+            "degrees", "degree", "deg", "grad", "graden", "grados", "gradi", "graus", "degrés",
+            "degres", "stopnie", "grader",
+        ],
+        "deg",
+        Some(Quantity::Angle),
+    ),
     (
         &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev", "rot"],
         "rev",

@@ -202,6 +202,7 @@ const QUANTITIES: [(Quantity, &[&[&str]]); 7] = [
             "couple",
             "coppia",
             "koppel",
+            "par",
             "tork",
             "момент",
             "扭矩",

@@ -203,7 +203,12 @@ fn diagnosis() -> DiagnosisStudy {
         },
         unproven: None,
         withheld: None,
-        logging: Logging { unit: DriveUnit::Volt, if_held: None, speeds_alone: false },
+        logging: Logging {
+            unit: DriveUnit::Volt,
+            if_held: None,
+            speeds_alone: false,
+            longest_s: 60.0,
+        },
         at_floor: None,
         differs: None,
         dependence: None,

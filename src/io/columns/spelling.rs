@@ -1,0 +1,71 @@
+//! How units are written.
+
+/// A unit without the signs of its product, in small letters.
+pub(super) fn plain(unit: &str) -> String {
+    unit.replace(['·', '*', '.', ' '], "").to_lowercase()
+}
+
+/// Other ways to write a unit.
+pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
+    ("s", &["sec", "secs", "second", "seconds", "sek", "seg", "с", "秒", "초"]),
+    ("ms", &["мс", "毫秒", "ミリ秒", "밀리초"]),
+    ("rad", &["рад"]),
+    ("us", &["µs", "μs"]),
+    ("min", &["minute", "minutes"]),
+    ("h", &["hr", "hrs", "hour", "hours"]),
+    ("d", &["day", "days"]),
+    (
+        "deg",
+        &[
+            "degree", "degrees", "°", "graden", "grados", "gradi", "graus", "degrés", "degres",
+            "stopnie", "grader",
+        ],
+    ),
+    ("rad/s", &["rad/sec", "rads/s", "рад/с", "弧度/秒"]),
+    ("deg/s", &["°/s", "deg/sec", "dps"]),
+    ("rev", &["turn", "turns", "revs", "rot"]),
+    ("rev/s", &["turn/s", "turns/s", "rot/s", "rev/sec", "rps"]),
+    (
+        "rpm",
+        &[
+            "1/min",
+            "r/min",
+            "rev/min",
+            "u/min",
+            "tr/min",
+            "giri/min",
+            "obr/min",
+            "varv/min",
+            "omw/min",
+            "toeren/min",
+            "omdr/min",
+            "ot/min",
+            "об/мин",
+            "转/分",
+            "回転/分",
+        ],
+    ),
+    ("ticks", &["tick", "count", "counts"]),
+    ("ticks/s", &["ticks/sec", "counts/s", "counts/sec", "tps"]),
+    ("m/s", &["m/sec"]),
+    ("km/h", &["kmh", "kph"]),
+    ("ft", &["feet", "foot"]),
+    ("in", &["inch", "inches"]),
+    ("ft/s", &["ft/sec", "fps"]),
+    ("in/s", &["in/sec", "ips"]),
+    ("N m", &["n-m", "нм", "н-м"]),
+    ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
+    ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),
+    ("lb in", &["lb-in", "lbin", "lbfin", "lbf-in", "in-lb", "inlb"]),
+    ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
+    ("A", &["amp", "amps", "ampere", "amperes", "а"]),
+    ("V", &["volt", "volts", "в"]),
+    ("mA", &["ма"]),
+];
+
+/// The name of a unit in the program, where it is written in another way.
+pub(super) fn synonym(unit: &str) -> &str {
+    let written = plain(unit);
+    let meant = SPELLINGS.iter().find(|(_, others)| others.contains(&written.as_str()));
+    meant.map_or(unit, |(name, _)| name)
+}
