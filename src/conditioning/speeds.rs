@@ -21,7 +21,6 @@ use nalgebra::Vector2;
 
 pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
 use self::lag::{SMALL, SURE, pooled};
-use self::of_angle::Left;
 pub use self::of_angle::common_share;
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{changes, column, median_step, noise_variance, pieces};
@@ -140,7 +139,7 @@ fn computed(samples: &[Samples], others: Option<f64>) -> Option<f64> {
     for wheel in samples {
         let own = of_angle::left(wheel);
         // without other recordings both wheels must show it
-        if others.is_none() && !own.is_some_and(Left::is_computed) {
+        if others.is_none() && own.is_none_or(|left| !left.is_computed()) {
             return None;
         }
         left.push(own);
