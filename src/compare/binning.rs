@@ -39,31 +39,39 @@ pub(super) fn as_it_acts(
     all.reduce(|best, next| if next.left() > best.left() { next } else { best })
 }
 
-/// Rows in bins of a variable, and whether each bin follows the previous one without a gap.
-type Bins<'a> = Vec<(bool, Vec<&'a Row>)>;
-
-/// The rows in motion in bins of a variable; `None` if there are too few, or if the variable is constant.
-fn binned(rows: &[Row], v: usize) -> Option<Bins<'_>> {
-    let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
-    let mut order: Vec<&Row> = rows.iter().filter(moves).collect();
-    order.sort_by(|a, b| a.values[v].total_cmp(&b.values[v]));
-    let varies = |order: &[&Row]| order[0].values[v] != order[order.len() - 1].values[v];
-    (order.len() >= BINS * FEWEST && varies(&order)).then(|| cut(&order, v))
+/// A bin of a variable.
+struct Bin<'a> {
+    /// Whether it follows the previous one without a gap.
+    joined: bool,
+    /// Mean of the variable.
+    at: f64,
+    /// Its rows, blocks in order.
+    rows: Vec<&'a Row>,
 }
 
-fn curve(bins: &Bins<'_>, v: usize, acting: Acting, independent: f64, has_after: bool) -> Curve {
+/// The rows in motion in bins of a variable; `None` if there are too few, or if the variable is constant.
+fn binned(rows: &[Row], v: usize) -> Option<Vec<Bin<'_>>> {
+    let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
+    // the values beside the rows: a comparison reads no row
+    let mut order: Vec<(f64, &Row)> = rows.iter().filter(moves).map(|r| (r.values[v], r)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let varies = |order: &[(f64, &Row)]| order[0].0 != order[order.len() - 1].0;
+    (order.len() >= BINS * FEWEST && varies(&order)).then(|| cut(&order))
+}
+
+fn curve(bins: &[Bin<'_>], v: usize, acting: Acting, independent: f64, has_after: bool) -> Curve {
     let model = |of: fn(&Row) -> [f64; 2]| {
         let samples: Vec<[Vec<Sample>; 2]> =
-            bins.iter().map(|(_, bin)| [0, 1].map(|i| samples(bin, acting, i, of))).collect();
+            bins.iter().map(|bin| [0, 1].map(|i| samples(bin, acting, i, of))).collect();
         let means: Vec<[Mean; 2]> =
             samples.iter().map(|bin| [0, 1].map(|i| clustered_factor(&bin[i]))).collect();
         (explained(&samples, &means, acting, independent), means)
     };
     let (before, means) = model(|r| r.before);
     let after = has_after.then(|| model(|r| r.after));
-    let made = bins.iter().enumerate().map(|(n, (joined, bin))| CurveBin {
-        at: math::mean(bin.iter().map(|r| r.values[v])),
-        joined: *joined,
+    let made = bins.iter().enumerate().map(|(n, bin)| CurveBin {
+        at: bin.at,
+        joined: bin.joined,
         before: means[n],
         after: after.as_ref().map(|(_, means)| means[n]),
     });
@@ -80,33 +88,33 @@ fn curve(bins: &Bins<'_>, v: usize, acting: Acting, independent: f64, has_after:
 }
 
 /// The residual torques of wheel `i` in a bin, blocks in order.
-fn samples(bin: &[&Row], acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> Vec<Sample> {
+fn samples(bin: &Bin, acting: Acting, i: usize, of: fn(&Row) -> [f64; 2]) -> Vec<Sample> {
     let at = |r: &Row, of_wheel_1: Variable| r.values[of_wheel_1 as usize + i];
     let sample = |r: &&Row| Sample {
         block: r.block,
         per: acting.per(at(r, Variable::Omega1), at(r, Variable::Input1)),
         value: of(r)[i],
     };
-    let mut out: Vec<Sample> = bin.iter().map(sample).filter(|s| s.value.is_finite()).collect();
-    out.sort_by_key(|s| s.block);
-    out
+    bin.rows.iter().map(sample).filter(|s| s.value.is_finite()).collect()
 }
 
-/// Rows sorted by a variable, divided into bins of equal counts that do not cross a gap; with each bin,
-/// whether it follows the previous one without a gap.
-fn cut<'a>(order: &[&'a Row], v: usize) -> Bins<'a> {
-    let at = |n: usize| order[n].values[v];
+/// Rows sorted by a variable, with its values, divided into bins of equal counts that do not cross a gap.
+fn cut<'a>(order: &[(f64, &'a Row)]) -> Vec<Bin<'a>> {
+    let at = |n: usize| order[n].0;
     let (low, high) = (at(order.len() / 100), at(order.len() - 1 - order.len() / 100));
-    let inside: Vec<&Row> =
-        order.iter().copied().filter(|r| (low..=high).contains(&r.values[v])).collect();
+    let inside: Vec<(f64, &Row)> =
+        order.iter().copied().filter(|(value, _)| (low..=high).contains(value)).collect();
     let size = inside.len().div_ceil(BINS).max(FEWEST);
-    let is_gap = |a: &&Row, b: &&Row| b.values[v] - a.values[v] <= GAP * (high - low);
+    let is_gap = |a: &(f64, &Row), b: &(f64, &Row)| b.0 - a.0 <= GAP * (high - low);
     let mut out = Vec::new();
     for stretch in inside.chunk_by(is_gap) {
         let count = ((stretch.len() as f64 / size as f64).round() as usize).max(1);
         let each = stretch.len().div_ceil(count);
         for (n, bin) in stretch.chunks(each).enumerate().filter(|(_, bin)| bin.len() >= FEWEST) {
-            out.push((n > 0, bin.to_vec()));
+            let at = math::mean(bin.iter().map(|(value, _)| *value));
+            let mut rows: Vec<&Row> = bin.iter().map(|(_, row)| *row).collect();
+            rows.sort_by_key(|row| row.block);
+            out.push(Bin { joined: n > 0, at, rows });
         }
     }
     out

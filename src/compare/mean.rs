@@ -1,9 +1,5 @@
 //! Means with standard errors for values that are correlated within blocks.
 
-use nalgebra::{DMatrix, DVector};
-
-use crate::math::clustered_covariance;
-
 /// A mean with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Mean {
@@ -45,15 +41,13 @@ pub(super) struct Sample {
 pub(super) fn clustered_factor(samples: &[Sample]) -> Mean {
     let square: f64 = samples.iter().map(|s| s.per * s.per).sum();
     let value = samples.iter().map(|s| s.per * s.value).sum::<f64>() / square;
-    let blocks = samples.chunk_by(|a, b| a.block == b.block).count();
-    let n = samples.len();
-    let regressor = DMatrix::from_fn(n, 1, |k, _| samples[k].per);
-    let residual = DVector::from_fn(n, |k, _| samples[k].value - value * samples[k].per);
-    let block: Vec<usize> = samples.iter().map(|s| s.block).collect();
-    let bread = DMatrix::from_element(1, 1, 1.0 / square);
+    let score =
+        |block: &[Sample]| -> f64 { block.iter().map(|s| s.per * (s.value - value * s.per)).sum() };
+    let scores = samples.chunk_by(|a, b| a.block == b.block).map(score);
+    let (blocks, scatter) = scores.fold((0, 0.0), |(n, sum), score| (n + 1, sum + score * score));
     let std_error = match blocks {
         0 | 1 => f64::NAN,
-        _ => clustered_covariance(&bread, &regressor, &residual, &block, n)[(0, 0)].sqrt(),
+        _ => (blocks as f64 / (blocks - 1) as f64 * scatter).sqrt() / square,
     };
     Mean { value, std_error, blocks }
 }

@@ -103,16 +103,13 @@ fn fresh(r: &Recording) -> f64 {
 /// Tests of given innovations with sampling interval `step` \[s\].
 #[must_use]
 pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
-    let auto = [0, 1].map(|i| -> Vec<f64> {
-        (0..=LAGS)
-            .map(|lag| lagged_correlation(&wheels[i].scaled, &wheels[i].scaled, lag))
-            .collect()
-    });
-    let inputs = [0, 1].map(|i| -> Vec<f64> {
-        (0..=LAGS).map(|lag| lagged_correlation(&wheels[i].input, &wheels[i].input, lag)).collect()
-    });
+    let scaled = [0, 1].map(|i| Centred::new(&wheels[i].scaled));
+    let input = [0, 1].map(|i| Centred::new(&wheels[i].input));
+    let own =
+        |x: &Centred| -> Vec<f64> { (0..=LAGS).map(|lag| lagged_correlation(x, x, lag)).collect() };
+    let (auto, inputs) = (scaled.each_ref().map(own), input.each_ref().map(own));
     let cross = [0, 1].map(|i| -> Vec<f64> {
-        let (e, u) = (&wheels[i].scaled, &wheels[i].input);
+        let (e, u) = (&scaled[i], &input[i]);
         let early = (1..=LAGS).rev().map(|lag| lagged_correlation(e, u, lag));
         early.chain((0..=LAGS).map(|lag| lagged_correlation(u, e, lag))).collect()
     });
@@ -140,23 +137,35 @@ pub fn analysed(wheels: &[Innovations; 2], step: f64) -> Whiteness {
     }
 }
 
-/// Correlation of `a` with `b` at a delay of `lag` rows, over stretches, with means removed.
+/// A signal without its mean, stretch by stretch.
+struct Centred {
+    stretches: Vec<Vec<f64>>,
+    /// Sum of the squares.
+    square: f64,
+}
+
+impl Centred {
+    fn new(signal: &[Vec<f64>]) -> Self {
+        let count = signal.iter().map(Vec::len).sum::<usize>() as f64;
+        let mean = signal.iter().flatten().sum::<f64>() / count;
+        let without = |stretch: &Vec<f64>| stretch.iter().map(|v| v - mean).collect();
+        let stretches: Vec<Vec<f64>> = signal.iter().map(without).collect();
+        let square = stretches.iter().flatten().map(|v| v * v).sum();
+        Self { stretches, square }
+    }
+}
+
+/// Correlation of `a` with `b` at a delay of `lag` rows, over stretches.
 ///
 /// ```text
 /// r(lag) = Σ a(k) b(k + lag)/sqrt(Σ a² Σ b²)
 /// ```
-fn lagged_correlation(a: &[Vec<f64>], b: &[Vec<f64>], lag: usize) -> f64 {
-    let mean = |x: &[Vec<f64>]| {
-        x.iter().flatten().sum::<f64>() / x.iter().map(Vec::len).sum::<usize>() as f64
-    };
-    let (ma, mb) = (mean(a), mean(b));
-    let square = |x: &[Vec<f64>], m: f64| x.iter().flatten().map(|v| (v - m).powi(2)).sum::<f64>();
+fn lagged_correlation(a: &Centred, b: &Centred, lag: usize) -> f64 {
     let pairs = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-        let later = b.iter().skip(lag);
-        a.iter().zip(later).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>()
+        a.iter().zip(b.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()
     };
-    let product: f64 = a.iter().zip(b).map(pairs).sum();
-    product / (square(a, ma) * square(b, mb)).sqrt().max(f64::MIN_POSITIVE)
+    let product: f64 = a.stretches.iter().zip(&b.stretches).map(pairs).sum();
+    product / (a.square * b.square).sqrt().max(f64::MIN_POSITIVE)
 }
 
 fn density<'a>(values: impl Iterator<Item = &'a f64>) -> Vec<f64> {
@@ -218,10 +227,10 @@ mod tests {
     #[test]
     fn a_correlation_of_a_worked_example_is_its_sum() {
         // means 0: products at lag 1 are 1·(-1) + (-1)·2 + 2·(-2) = -7, squares 10
-        let a = [vec![1.0, -1.0, 2.0, -2.0]];
+        let a = Centred::new(&[vec![1.0, -1.0, 2.0, -2.0]]);
         assert!((lagged_correlation(&a, &a, 1) + 0.7).abs() < 1e-12);
         // no product across the end of a stretch
-        let b = [vec![1.0, -1.0], vec![2.0, -2.0]];
+        let b = Centred::new(&[vec![1.0, -1.0], vec![2.0, -2.0]]);
         assert!((lagged_correlation(&b, &b, 1) + 0.5).abs() < 1e-12);
     }
 

@@ -69,10 +69,12 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
     else {
         return;
     };
-    let spans: Vec<Option<usize>> = samples.iter().map(span).collect();
+    // the second wheel is not read where the first shows none
+    let first = span(&samples[0]);
+    let second = first.and_then(|_| span(&samples[1]));
     // angles that come more slowly than the rows give poor speeds: then the late ones are moved instead
     let full_rate = samples.iter().all(|s| s.all);
-    if let [Some(a), Some(b)] = spans[..]
+    if let (Some(a), Some(b)) = (first, second)
         && a == b
         && full_rate
     {
@@ -133,7 +135,15 @@ fn shared(own: Option<Lag>, others: Option<Lag>) -> Option<Lag> {
 /// What is left of speeds that were computed from the angles of both wheels, as a share of the angle's
 /// noise; that of other recordings where these do not show it and do not contradict it.
 fn computed(samples: &[Samples], others: Option<f64>) -> Option<f64> {
-    let left: Vec<_> = samples.iter().map(of_angle::left).collect();
+    let mut left = vec![];
+    for wheel in samples {
+        let own = of_angle::left(wheel);
+        // without other recordings both wheels must show it
+        if others.is_none() && own.is_none_or(|left| !left.is_computed()) {
+            return None;
+        }
+        left.push(own);
+    }
     let shown: Vec<_> = left.iter().flatten().filter(|l| l.is_computed()).collect();
     if shown.len() == samples.len() {
         return shown.iter().map(|l| l.share()).max_by(f64::total_cmp);

@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod aligned;
+mod balance;
 mod by_recording;
 mod candidate;
 mod candidates;

@@ -175,11 +175,14 @@ impl<'a> Screen<'a> {
         candidate.torque_at_rows(recording, (first..last).map(at), |now| {
             if k > first {
                 let (still, h) = (rows.still[k - first], t[k] - t[k - 1]);
-                for c in 0..count {
-                    let mean = [0, 1].map(|i| 0.5 * (before[c][i] + now[c][i]));
-                    let rate = self.mobility.acceleration(mean, still);
-                    let moving = |i: usize| if still[i] { 0.0 } else { speed[c][i] + h * rate[i] };
-                    speed[c] = [0, 1].map(moving);
+                let mobility = self.mobility.with_rest(still);
+                for (speed, (before, now)) in speed.iter_mut().zip(before.iter().zip(now)) {
+                    let mean = [0.5 * (before[0] + now[0]), 0.5 * (before[1] + now[1])];
+                    let rate = times(&mobility, &mean);
+                    *speed = [speed[0] + h * rate[0], speed[1] + h * rate[1]];
+                }
+                for i in (0..2).filter(|&i| still[i]) {
+                    speed.iter_mut().for_each(|speed| speed[i] = 0.0);
                 }
             }
             for (i, out) in out.iter_mut().enumerate() {
@@ -257,12 +260,13 @@ impl Mobility {
         Self { both, alone: [1.0 / mass[0], 1.0 / mass[2]] }
     }
 
-    fn acceleration(&self, torque: [f64; 2], still: [bool; 2]) -> [f64; 2] {
+    /// The inverse mass matrix (m11, m12, m22) while these wheels rest.
+    fn with_rest(&self, still: [bool; 2]) -> [f64; 3] {
         match still {
-            [false, false] => times(&self.both, &torque),
-            [false, true] => [torque[0] * self.alone[0], 0.0],
-            [true, false] => [0.0, torque[1] * self.alone[1]],
-            [true, true] => [0.0; 2],
+            [false, false] => self.both,
+            [false, true] => [self.alone[0], 0.0, 0.0],
+            [true, false] => [0.0, 0.0, self.alone[1]],
+            [true, true] => [0.0; 3],
         }
     }
 }

@@ -4,8 +4,10 @@
 //! against the motion by up to half a row. This is timing, not physics; a longer delay is a property of the
 //! actuator.
 
+use std::cell::LazyCell;
 use std::sync::Arc;
 
+use super::balance::{by_balance, lowest_of_balance};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL, with_later_input};
 use super::onset::{in_motion, latest_dead_time};
@@ -21,9 +23,8 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// Range of the search, in rows, and its resolution.
+/// Range of the search, in rows.
 pub(super) const EARLIEST: f64 = -1.5;
-const RESOLUTION: f64 = 0.1;
 /// Longest delay that is searched \[s\], that of slow motor controllers on a bus.
 pub const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
@@ -79,9 +80,12 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let scale = scale_of(model, p, recordings);
     let smoothed = Smoothed::new(recordings, scale.bandwidth);
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
-    let balanced = by_balance(&regression, step);
-    // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum
-    let balanced_start = balanced.map(|(shift, _)| shift).filter(|shift| shift.abs() > step);
+    let coarse = lowest_of_balance(&regression, step, (EARLIEST, LONGEST))?;
+    let balanced = LazyCell::new(|| by_balance(&regression, step, &coarse));
+    // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum; within half
+    // a row of zero the fine search stays within a row of it
+    let far = (coarse.shift.abs() > 0.5 * step).then(|| *balanced).flatten();
+    let balanced_start = far.map(|(shift, _)| shift).filter(|shift| shift.abs() > step);
     let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
     let simulated = in_simulation(model, p, &starts, (recordings, hold), &scale);
     let shift = simulated.and_then(|s| s.shift);
@@ -105,47 +109,6 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
     Some(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
-}
-
-/// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters.
-///
-/// ```text
-/// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
-/// ```
-/// `None` without a minimum inside the range, or with an uncertainty beyond it: the balance does not determine the shift.
-fn by_balance(regression: &Regression, step: f64) -> Option<(f64, f64)> {
-    let at = |shift: f64| regression.square_at_shift(shift);
-    let latest = (LONGEST / step).ceil().max(-EARLIEST);
-    // over the whole range as the square changes, then in half rows and finer around the lowest
-    let coarse = |k: usize| (EARLIEST + 0.5 * k as f64) * step;
-    let count = ((latest - EARLIEST) / 0.5).ceil() as usize + 1;
-    let lowest = |places: &mut dyn Iterator<Item = usize>| {
-        let squares = places.map(|k| (k, at(coarse(k))));
-        squares.min_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    let apart = ((regression.smooth_over() / (0.5 * step)) as usize).clamp(1, count);
-    let (near, _) = lowest(&mut (0..count).step_by(apart).chain([count - 1]))?;
-    let around = near.saturating_sub(apart)..(near + apart + 1).min(count);
-    let (place, square) = lowest(&mut around.into_iter())?;
-    let (middle, h) = (coarse(place), RESOLUTION * step);
-    let fine = |k: i32| middle + f64::from(k) * h;
-    let (mut best, mut least) = (middle, square);
-    for k in (-4..=4).filter(|k| *k != 0) {
-        let square = at(fine(k));
-        if square < least {
-            (best, least) = (fine(k), square);
-        }
-    }
-    let (before, after) = (at(best - h), at(best + h));
-    let bend = (before - 2.0 * least + after) / (h * h);
-    if !(bend > 0.0 && least > 0.0) {
-        return None;
-    }
-    let shift = best + 0.5 * h * (before - after) / (before - 2.0 * least + after).max(1e-300);
-    // the vertex of a parabola far from its three points is no minimum of the sum
-    let inside = (shift - best).abs() <= h && shift > coarse(0) && shift < coarse(count - 1);
-    let std_error = (2.0 * least / (regression.degrees * bend)).sqrt();
-    (inside && std_error < LONGEST).then_some((shift, std_error))
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a smoothed

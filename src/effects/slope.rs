@@ -75,7 +75,7 @@ impl Physics for Slope {
     }
 
     fn terms<T: Real>(&self, x: &Motion<T>, p: &[T]) -> Terms<T> {
-        let (cos, sin) = (x.heading().cos(), x.heading().sin());
+        let (sin, cos) = x.heading().sin_cos();
         let both = p[0] * cos + p[1] * sin;
         let turning = (p[0] * sin - p[1] * cos) * p[2];
         Terms { torque: [both + turning, both - turning], ..Terms::zero() }

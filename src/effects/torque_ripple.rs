@@ -73,7 +73,8 @@ pub(super) fn periodic<T: Real>(order: T, x: &Motion<T>, p: &[T; 4]) -> Terms<T>
     let mut terms = Terms::zero();
     for i in 0..2 {
         let angle = x.alpha[i] * order;
-        let wave = p[2 * i] * angle.sin() + p[2 * i + 1] * angle.cos();
+        let (sin, cos) = angle.sin_cos();
+        let wave = p[2 * i] * sin + p[2 * i + 1] * cos;
         terms.torque[i] = if x.variance[i] == 0.0 {
             wave
         } else {

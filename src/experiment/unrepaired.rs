@@ -3,6 +3,8 @@
 use std::mem::discriminant;
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::error::{Meaning, words};
 use crate::conditioning::{Action, Channel, Context, Finding, Kind, Settings, Stated, condition};
 use crate::recording::{Channels, LongRecording, Recording};
@@ -52,7 +54,7 @@ pub(super) fn check(
         condition(part(windows, rows), &settings, context).map(|done| done.findings)
     };
     let found: Vec<Vec<Finding>> =
-        windows.pieces().iter().filter_map(|piece| of_window(piece).ok()).collect();
+        windows.pieces().par_iter().filter_map(|piece| of_window(piece).ok()).collect();
     let Some(error) = error(&found, windows.step()) else { return Ok(()) };
     let (limit, gigabytes) = limit(long.samples);
     let otherwise = match error.action {

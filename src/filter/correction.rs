@@ -77,6 +77,21 @@ pub(super) struct Channel {
     pub(super) variance: f64,
 }
 
+impl Channel {
+    /// Whether it measures a single state as it is, as those of two independent wheels do.
+    #[inline]
+    fn is_plain(&self) -> bool {
+        self.at[0].1 == 1.0 && self.at[1].1 == 0.0
+    }
+
+    /// What it measures of the states `x`. A plain one needs no products by one and by zero.
+    #[inline]
+    fn of(&self, x: impl Fn(usize) -> f64) -> f64 {
+        let [(i, by_i), (k, by_k)] = self.at;
+        if self.is_plain() { x(i) } else { by_i * x(i) + by_k * x(k) }
+    }
+}
+
 /// Channels of a recording with these `variance`s, of which the `used` ones are measured. A `single` axis mapped to
 /// both wheels is measured once, by the mean of the wheels; their difference, always zero, is a measurement without
 /// information that keeps the wheels together.
@@ -105,12 +120,12 @@ pub(super) fn correct<const N: usize>(
     psi_row: &mut [f64],
 ) -> (f64, f64) {
     let [(i, by_i), (k, by_k)] = channel.at;
-    let e = value - by_i * mean[i] - by_k * mean[k];
-    let mut seen: Mean<N> = covariance.column(i) * by_i;
-    if by_k != 0.0 {
-        seen += covariance.column(k) * by_k;
+    let e = value - channel.of(|j| mean[j]);
+    let mut seen: Mean<N> = covariance.column(i).into_owned();
+    if !channel.is_plain() {
+        seen = seen * by_i + covariance.column(k) * by_k;
     }
-    let s = by_i * seen[i] + by_k * seen[k] + channel.variance;
+    let s = channel.of(|j| channel.of(|l| covariance[(j, l)])) + channel.variance;
     let share = 1.0 / s;
     let gain = seen * share;
     *mean += gain * e;
@@ -122,7 +137,7 @@ pub(super) fn correct<const N: usize>(
         }
     }
     for (out, column) in psi_row.iter_mut().zip(psi.iter_mut()) {
-        let predicted = by_i * column[i] + by_k * column[k];
+        let predicted = channel.of(|j| column[j]);
         *out = predicted;
         for (value, gain) in column.iter_mut().zip(gain) {
             *value -= gain * predicted;

@@ -154,9 +154,15 @@ impl Dynamics<4> for Exact<'_> {
     }
 
     fn carry(&self, sample: &Sample, extra: &[[f64; 2]], psi: &mut [[f64; 4]]) {
-        let g = &self.gain;
+        let (f, g) = (&self.transition, &self.gain);
         let carried = |column: &mut [f64; 4], forced: [f64; 4]| {
-            let moved = self.transition * SVector::<f64, 4>::from(*column);
+            // in loops of known length, as in `carried_over`
+            let mut moved = [0.0; 4];
+            for k in 0..4 {
+                for i in 0..4 {
+                    moved[i] += f[(i, k)] * column[k];
+                }
+            }
             for i in 0..4 {
                 column[i] = moved[i] + forced[i];
             }

@@ -60,10 +60,16 @@ pub fn clustered_covariance(
     let blocks = block.iter().max().map_or(0, |b| b + 1);
     let one = |i: usize| if blocks < 2 { i } else { block[i] };
     let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
-    for i in 0..z.nrows() {
-        let sum = scores.entry(one(i)).or_insert_with(|| DVector::zeros(z.ncols()));
-        for (sum, z) in sum.iter_mut().zip(z.row(i).iter()) {
-            *sum += psi[i] * z;
+    let mut next = 0;
+    while next < z.nrows() {
+        let first = next;
+        let sum = scores.entry(one(first)).or_insert_with(|| DVector::zeros(z.ncols()));
+        // neighbouring rows mostly belong to one block
+        while next < z.nrows() && one(next) == one(first) {
+            for (sum, z) in sum.iter_mut().zip(z.row(next).iter()) {
+                *sum += psi[next] * z;
+            }
+            next += 1;
         }
     }
     let (groups, n) = (scores.len() as f64, rows as f64);

@@ -63,13 +63,13 @@ pub fn median_step(t: &[f64]) -> f64 {
 #[must_use]
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut sample: Vec<f64> = values.into_iter().collect();
-    sample.sort_by(f64::total_cmp);
-    let half = sample.len() / 2;
-    match sample.len() {
-        0 => 0.0,
-        count if count % 2 == 1 => sample[half],
-        _ => 0.5 * (sample[half - 1] + sample[half]),
+    let count = sample.len();
+    if count == 0 {
+        return 0.0;
     }
+    let (below, middle, _) = sample.select_nth_unstable_by(count / 2, f64::total_cmp);
+    let before = below.iter().copied().max_by(f64::total_cmp).filter(|_| count.is_multiple_of(2));
+    before.map_or(*middle, |before| 0.5 * (before + *middle))
 }
 
 /// The high median: the middle value, for an even number the larger of the two; zero for an empty sample.
@@ -97,8 +97,11 @@ pub fn robust_deviation(errors: impl IntoIterator<Item = f64>) -> f64 {
 /// Mean of the smallest 95 % of squares over what that is for a normal variable of variance one: jumps
 /// and gaps do not count, and rows in which nothing changes do not hide the others.
 pub(crate) fn trimmed_mean_square(mut squares: Vec<f64>) -> f64 {
-    squares.sort_by(f64::total_cmp);
-    squares.truncate((squares.len() * 19).div_ceil(20));
+    let kept = (squares.len() * 19).div_ceil(20);
+    if kept < squares.len() {
+        squares.select_nth_unstable_by(kept, f64::total_cmp);
+        squares.truncate(kept);
+    }
     squares.iter().sum::<f64>() / squares.len().max(1) as f64 / 0.759
 }
 

@@ -57,6 +57,12 @@ pub trait Real:
         let (s, c) = self.value().sin_cos();
         self.chain(c, -s)
     }
+    /// Sine and cosine of an angle \[rad\].
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self) {
+        let (s, c) = self.value().sin_cos();
+        (self.chain(s, c), self.chain(c, -s))
+    }
     /// Square root.
     #[must_use]
     fn sqrt(self) -> Self {

@@ -107,6 +107,9 @@ impl Real for Symbol {
     fn cos(self) -> Self {
         self.unary(Unary::Cos)
     }
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
     fn sqrt(self) -> Self {
         self.unary(Unary::Sqrt)
     }

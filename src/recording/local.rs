@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use self::corner::{AGREE, Corner, Corners, around};
 use super::{LocalMotion, Measured, MotionNoise, Recording};
-use crate::math::scaled_inverse;
+use crate::math::inverse_of_three;
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -249,7 +249,7 @@ impl<'a> Parabola<'a> {
         let right =
             Vector3::new(a * v0, a * v1 + w * self.omega[0], 0.5 * a * v2 + w * self.omega[1]);
         let (r, k) = (self.recording, self.sample);
-        let Some(covariance) = scaled_inverse(&normal) else {
+        let Some(covariance) = inverse_of_three(&normal) else {
             (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
             return;
         };

@@ -10,18 +10,18 @@ use super::gaps::pieces;
 use super::{DriveUnit, LocalMotion, RecordingError};
 use crate::math::median_step;
 
-/// A checked recording: finite values, strictly increasing time, both angles and speeds.
+/// A checked recording: finite values, strictly increasing time, both angles and speeds. Copies share the rows.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    name: String,
-    t: Vec<f64>,
-    alpha: Vec<[f64; 2]>,
-    omega: Vec<[f64; 2]>,
-    torque: Vec<[f64; 2]>,
+    name: Arc<str>,
+    t: Arc<[f64]>,
+    alpha: Arc<[[f64; 2]]>,
+    omega: Arc<[[f64; 2]]>,
+    torque: Arc<[[f64; 2]]>,
     measured: Measured,
     drive_unit: DriveUnit,
-    pieces: Vec<Range<usize>>,
-    fresh: Vec<bool>,
+    pieces: Arc<[Range<usize>]>,
+    fresh: Arc<[bool]>,
     /// Median step in time \[s\].
     step: f64,
     /// Rows to either side over which speeds are computed from angles.
@@ -94,15 +94,15 @@ impl Recording {
         let columns = [("dalpha", &omega[..]), ("M", &torque[..]), ("alpha", &alpha[..])];
         super::limits::check(&name, &t, step, columns)?;
         Ok(Self {
-            name,
-            t,
-            alpha,
-            omega,
-            torque,
+            name: name.into(),
+            t: t.into(),
+            alpha: alpha.into(),
+            omega: omega.into(),
+            torque: torque.into(),
             measured,
             drive_unit,
-            pieces,
-            fresh,
+            pieces: pieces.into(),
+            fresh: fresh.into(),
             step,
             reach,
             most_noise: None,
@@ -216,7 +216,7 @@ impl Recording {
     #[must_use]
     pub fn with_torque(&self, torque: Vec<[f64; 2]>) -> Self {
         assert_eq!(torque.len(), self.len(), "one row of the input a sample");
-        Self { torque, kept_jumps: Arc::default(), ..self.clone() }
+        Self { torque: torque.into(), kept_jumps: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with other speeds; angles that were not measured are integrated from them.
@@ -227,8 +227,8 @@ impl Recording {
     pub fn with_omega(&self, omega: Vec<[f64; 2]>) -> Self {
         assert_eq!(omega.len(), self.len(), "one row of speeds a sample");
         let measured = self.measured.alpha;
-        let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega) };
-        Self { alpha, omega, ..self.anew() }
+        let alpha = if measured { self.alpha.clone() } else { integrate(&self.t, &omega).into() };
+        Self { alpha, omega: omega.into(), ..self.anew() }
     }
 
     /// The same recording with angles shifted by `later` \[rad\].
@@ -325,7 +325,7 @@ impl Recording {
             omega: self.measured.omega.then(|| self.omega[range.clone()].to_vec()),
             torque: self.torque[range].to_vec(),
         };
-        let cut = Self::new(self.name.clone(), channels, self.drive_unit)?;
+        let cut = Self::new(&*self.name, channels, self.drive_unit)?;
         let Self {
             recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..
         } = *self;

@@ -131,13 +131,14 @@ pub(crate) fn follow_part(
     if !visit(0, &start, variation.values()) {
         return Ok(());
     }
+    let moved = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
+    let moved: Vec<(usize, &[[f64; 2]])> = moved.map(|(j, d)| (j, &d[..])).collect();
     for k in range.start + 1..range.end {
         let last = match input.hold {
             Hold::Linear => k,
             Hold::Constant => k - 1,
         };
-        let by_input = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
-        variation.next_input(by_input.map(|(j, d)| (j, [d[k - 1], d[last]])));
+        variation.next_input(moved.iter().map(|(j, d)| (*j, [d[k - 1], d[last]])));
         let (from, to) = (input.t[k - 1], input.t[k]);
         stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
         if !visit(k - range.start, &stepper.state(), variation.values()) {

@@ -59,8 +59,8 @@ struct Gathered {
     lasts: bool,
     /// Derivatives, error, and one while the constant lasts, filled up to `width` numbers.
     rows: Vec<f64>,
-    /// Derivatives and error times the weight.
-    weighted: Vec<f64>,
+    /// One over the variance of each row.
+    weight: Vec<f64>,
     /// Sum of the weights while the constant lasts.
     weights: f64,
 }
@@ -72,7 +72,7 @@ impl Accumulator {
         let wheel = || Gathered {
             lasts: true,
             rows: Vec::with_capacity(rows * width),
-            weighted: Vec::with_capacity(rows * (columns + 1)),
+            weight: Vec::with_capacity(rows),
             weights: 0.0,
         };
         Self { columns, width, wheels: [wheel(), wheel()] }
@@ -89,7 +89,7 @@ impl Accumulator {
         let row = &mut wheel.rows[first..];
         row[..self.columns].copy_from_slice(psi);
         row[self.columns] = e;
-        wheel.weighted.extend(row[..=self.columns].iter().map(|value| weight * value));
+        wheel.weight.push(weight);
         if wheel.lasts {
             row[self.columns + 1] = 1.0;
             wheel.weights += weight;
@@ -100,11 +100,15 @@ impl Accumulator {
     pub(super) fn finish(self, variance: &[f64; 2]) -> Option<Sums> {
         let Self { columns, width, wheels } = self;
         let mut out = Sums::zero(columns);
-        let mut products = vec![0.0; (columns + 1) * width];
+        let (mut products, mut weighted) = (vec![0.0; (columns + 1) * width], Vec::new());
         for (wheel, v) in wheels.iter().zip(variance) {
             products.fill(0.0);
-            let rows = (&wheel.rows[..], width);
-            add_products((&wheel.weighted, columns + 1), rows, &mut products);
+            weighted.clear();
+            weighted.extend_from_slice(&wheel.rows);
+            for (row, weight) in weighted.chunks_exact_mut(width).zip(&wheel.weight) {
+                row.iter_mut().for_each(|value| *value *= weight);
+            }
+            add_products((&weighted, width), (&wheel.rows, width), &mut products);
             let total = wheel.weights + 1.0 / v.max(TINY);
             let row = |a: usize| &products[a * width..][..width];
             // what the constant of the window explains

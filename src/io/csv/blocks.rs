@@ -72,10 +72,14 @@ impl<'a> Blocks<'a> {
     /// The next rows, at most `rows`; empty at the end.
     pub(in crate::io) fn next_rows(&mut self, rows: usize) -> Result<DataFrame, IoError> {
         let mut values = vec![Vec::with_capacity(rows); self.wanted.len()];
-        while values.first().is_some_and(|v| v.len() < rows) && self.next_line()? {
-            if !self.parse_plain(&mut values) {
-                self.parse(&mut values)?;
+        while values.first().is_some_and(|v| v.len() < rows) {
+            if self.take_plain(&mut values)? {
+                continue;
             }
+            if !self.next_line()? {
+                break;
+            }
+            self.parse(&mut values)?;
         }
         frame(self.path, self.wanted.iter().map(|(name, _)| *name).zip(values))
     }
@@ -103,31 +107,23 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// Parses a row with one plain number in each of the required columns; `false` for any other row.
-    fn parse_plain(&self, values: &mut [Vec<f64>]) -> bool {
-        let (mut text, separator) = (self.text.trim_ascii_end(), self.layout.separator);
-        if !self.is_plain || text.contains(&b'"') {
-            return false;
+    /// Takes the next row, if it has one plain number in each of the required columns and ends within the buffer: parsed
+    /// where it was read, as almost all rows are. `false` for any other row, which is left.
+    fn take_plain(&mut self, values: &mut [Vec<f64>]) -> Result<bool, IoError> {
+        if !self.is_plain || self.header > 0 {
+            return Ok(false);
         }
-        let (row, last) =
-            (values.first().map_or(0, Vec::len), self.columns.len().saturating_sub(1));
-        for (place, column) in self.columns.iter().enumerate() {
-            let rest = match column {
-                Some(column) => {
-                    let Some((value, rest)) = front(without_blanks(text, separator)) else { break };
-                    values[*column].push(value);
-                    without_blanks(rest, separator)
-                }
-                None => &text[text.iter().position(|b| *b == separator).unwrap_or(text.len())..],
-            };
-            match rest {
-                [] if place == last => return true,
-                [byte, rest @ ..] if *byte == separator && place < last => text = rest,
-                _ => break,
-            }
-        }
-        values.iter_mut().for_each(|column| column.truncate(row));
-        false
+        let buffer = self.lines.fill_buf().map_err(|e| IoError::system(self.path, &e))?;
+        let row = values.first().map_or(0, Vec::len);
+        let Some(rest) = plain_row(buffer, self.layout.separator, &self.columns, values) else {
+            values.iter_mut().for_each(|column| column.truncate(row));
+            return Ok(false);
+        };
+        let length = buffer.len() - rest.len();
+        self.lines.consume(length);
+        self.line += 1;
+        self.row += 1;
+        Ok(true)
     }
 
     fn parse(&self, values: &mut [Vec<f64>]) -> Result<(), IoError> {
@@ -164,14 +160,81 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// `text` without the blanks at its front that do not separate cells.
+/// Adds the plain numbers of the required `columns` of the row at the front of `text` to their `values`, and returns what
+/// follows the row. `None` for a row of another kind, a comment among them, and for one without its end.
+#[inline]
+fn plain_row<'t>(
+    text: &'t [u8],
+    separator: u8,
+    columns: &[Option<usize>],
+    values: &mut [Vec<f64>],
+) -> Option<&'t [u8]> {
+    let mut text = without_blanks(text, separator);
+    let last = columns.len().checked_sub(1).filter(|_| text.first() != Some(&b'#'))?;
+    for (place, column) in columns.iter().enumerate() {
+        let rest = match column {
+            Some(column) => {
+                let (value, rest) = front(without_blanks(text, separator))?;
+                values[*column].push(value);
+                without_blanks(rest, separator)
+            }
+            // a quoted cell may contain separators
+            None => {
+                &text[text.iter().position(|b| matches!(b, b'\n' | b'"') || *b == separator)?..]
+            }
+        };
+        match rest {
+            [b'\n', rest @ ..] if place == last => return Some(rest),
+            [byte, rest @ ..] if *byte == separator && place < last => text = rest,
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// `text` without the blanks at its front that separate neither cells nor rows.
 #[inline]
 fn without_blanks(mut text: &[u8], separator: u8) -> &[u8] {
     while let [byte, rest @ ..] = text
         && byte.is_ascii_whitespace()
         && *byte != separator
+        && *byte != b'\n'
     {
         text = rest;
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain_row;
+
+    #[test]
+    fn a_plain_row_is_taken_up_to_its_end_and_any_other_is_left() {
+        let columns = [Some(1), None, Some(0)];
+        let taken = |text: &str| {
+            let mut values = vec![vec![], vec![]];
+            let rest = plain_row(text.as_bytes(), b',', &columns, &mut values)?;
+            Some((values[0][0], values[1][0], rest.len()))
+        };
+        assert_eq!(taken("1.5,words,-2\n3,4,5\n"), Some((-2.0, 1.5, 6)));
+        assert_eq!(taken(" 1.5 ,, 2 \r\n"), Some((2.0, 1.5, 0)));
+        let others = [
+            "1,2,3",
+            "1,2\n3,4,5\n",
+            "1,2,3,4\n",
+            "1,\"2,3\",4\n",
+            "# 1,2,3\n",
+            "1,2,\n",
+            "\n1,2,3\n",
+            "1,2,3e5\n",
+            ",,\n",
+        ];
+        for text in others {
+            assert_eq!(taken(text), None, "{text}");
+        }
+        // a comment whose first column is not required
+        let mut values = vec![vec![]];
+        assert_eq!(plain_row(b"# 1,2\n", b',', &[None, Some(0)], &mut values), None);
+    }
 }
