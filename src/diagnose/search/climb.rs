@@ -80,26 +80,31 @@ impl Search<'_> {
     /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a
     /// simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if
     /// the input between the rows leaves its size open, the first later one is taken that has a size and is hardly less
-    /// probable.
+    /// probable. Of effects that the training recordings do not distinguish, one that predicts held-out recordings
+    /// better by a relevant share is taken.
     fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
-        let sized = fits.filter(|(_, id, fit)| has_size(fit, id));
-        let errors = sized.map(|(n, id, fit)| (n, id, fit, self.shown(fit)));
-        let mut lowering = errors.filter(|(.., error)| *error <= shown);
-        let (first, id, fit, error) = lowering.next()?;
-        if self.is_sized(fit, id) {
-            return Some((first, error));
-        }
+        let mut sized = fits.filter(|(_, id, fit)| has_size(fit, id));
+        let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
+        let lowers = |one: &(usize, &String, &WindowFit, f64)| one.3 <= shown;
+        let (first, id, fit, error) = sized.by_ref().filter_map(with_error).find(lowers)?;
         let is_about_as_good = |n: usize| {
             let (one, other) = (&ranking[first], &ranking[n]);
             let open = self.open_share(one, other).max(THRESHOLDS.alike);
             other.bic_windows < 0.0 && other.bic - one.bic < open
         };
-        let other = lowering
-            .filter(|(n, ..)| is_about_as_good(*n))
-            .find(|(_, id, fit, _)| self.is_sized(fit, id));
-        Some(other.map_or((first, error), |(n, .., error)| (n, error)))
+        let alike = sized.filter(|(n, ..)| is_about_as_good(*n)).filter_map(with_error);
+        let mut alike =
+            alike.filter(|one| lowers(one) && self.is_sized(one.2, one.1)).map(|(n, .., e)| (n, e));
+        let other = match self.is_sized(fit, id) {
+            false => alike.next(),
+            true if self.held.is_some() => alike
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .filter(|(_, other)| *other < (1.0 - THRESHOLDS.least_fall) * error),
+            true => None,
+        };
+        Some(other.unwrap_or((first, error)))
     }
 
     /// The search started with another effect of the first ranking, if it ends near the floor: if several
@@ -137,4 +142,45 @@ impl Search<'_> {
 
 fn last_of<'s>(base: &'s WindowFit, steps: &'s [Step]) -> &'s WindowFit {
     steps.last().map_or(base, |step| &step.fit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::{Data, Settings};
+    use crate::model::Model;
+    use crate::recording::Recording;
+    use crate::robot::Robot;
+    use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+
+    #[test]
+    fn of_effects_that_training_does_not_distinguish_that_with_the_lower_held_out_error_is_added() {
+        let base = Model::base(Robot::amigobot());
+        let model = base.add("turning_scrub").unwrap();
+        let mut truth = base.initial();
+        truth.push(0.05);
+        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
+        let made = |seed: u64| -> [Recording; 1] {
+            let movement = Movement::rich(model.robot(), seed, 15.0, 12.0);
+            let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };
+            [record("made", &model, &truth, &movement, &recorder).unwrap()]
+        };
+        let (train, validation) = (made(3), made(4));
+        let candidates = ["yaw_viscous", "turning_scrub"].map(str::to_owned).to_vec();
+        let settings = Settings { candidates, ..Settings::default() };
+        let starts = [base.initial()];
+        let added = |validation: &[Recording]| {
+            let data = Data { train: &train, validation, hold: Hold::Linear, corrected_s: 0.0 };
+            let search = Search::new(&base, &starts, &data, &settings).unwrap();
+            let present = search.base(&base, &starts).unwrap();
+            let mut ranking = search.rank(&present, true);
+            // the evidence of the training recordings for the wrong effect is larger, by less than decides
+            ranking.sort_by_key(|r| r.candidate.id == "turning_scrub");
+            ranking[0].bic = ranking[1].bic - 0.5 * THRESHOLDS.alike;
+            let (first, _) = search.first_that_lowers(&ranking, f64::INFINITY).unwrap();
+            ranking[first].candidate.id.clone()
+        };
+        assert_eq!(added(&validation), "turning_scrub");
+        assert_eq!(added(&[]), "yaw_viscous");
+    }
 }
