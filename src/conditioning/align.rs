@@ -148,7 +148,7 @@ pub(super) fn read_together(work: &mut Conditioned, cells: &[Cells]) {
         let read = if matches!(channel, Channel::Angle(_)) { along_angle } else { along };
         let t = &work.channels.t;
         let there = read(t, &column(&work.channels, *channel), own);
-        let values = held(t, &there, together);
+        let values = last_of(&there, together);
         known.iter_mut().zip(&values).for_each(|(known, x)| *known &= x.is_finite());
         put(&mut work.channels, *channel, &values);
         let kind = Kind::ReadTogether { share: count(own) as f64 / rows as f64 };
@@ -179,17 +179,26 @@ pub(super) fn refreshed_alone(t: &[f64], values: &[f64]) -> Vec<bool> {
 /// much too early then, and a whole cycle too late otherwise.
 const CYCLE: f64 = 0.1;
 
-/// The last sample at each row, or the next one of the same cycle; none before the first.
+/// A command: the last sample at each row, or the next one of the same cycle; none before the first.
 fn held(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
     let samples: Vec<usize> = (0..t.len()).filter(|&k| own[k]).collect();
     let near = CYCLE * median_high(samples.windows(2).map(|w| t[w[1]] - t[w[0]]));
-    let mut last = f64::NAN;
-    let mut read = |k: usize| {
-        let same = (k + 1..t.len()).take_while(|&j| t[j] - t[k] < near).find(|&j| own[j]);
-        last = if own[k] { values[k] } else { last };
-        same.filter(|_| !own[k]).map_or(last, |j| values[j])
+    let last = last_of(values, own);
+    let read = |k: usize| {
+        let mut cycle = (k..t.len()).take_while(|&j| t[j] - t[k] < near || j == k);
+        cycle.find(|&j| own[j]).map_or(last[k], |j| values[j])
     };
-    (0..t.len()).map(&mut read).collect()
+    (0..t.len()).map(read).collect()
+}
+
+/// The last sample at each row; none before the first.
+fn last_of(values: &[f64], own: &[bool]) -> Vec<f64> {
+    let mut last = f64::NAN;
+    let mut read = |(value, own): (&f64, &bool)| {
+        last = if *own { *value } else { last };
+        last
+    };
+    values.iter().zip(own).map(&mut read).collect()
 }
 
 /// The line between the samples around each row; none before the first and after the last.
@@ -308,6 +317,17 @@ mod tests {
             // a chord of 10 ms: 4 h^2/8
             assert!((0..2).all(|i| (omega[k][i] - speed(t[k])[i]).abs() < 6e-5), "{k}");
         }
+        // sensors of 20 ms in different rows of 1 ms change in the same rows
+        let t: Vec<f64> = (0..12_000).map(|k| 0.001 * k as f64).collect();
+        let read = |k: usize, row: usize| 0.001 * ((k + 20 - row) / 20 * 20 + row) as f64 - 0.02;
+        let omega = (0..t.len()).map(|k| [speed(read(k, 3))[0], speed(read(k, 17))[1]]).collect();
+        let torque = t.iter().map(|t| [t.cos(), t.sin()]).collect();
+        let channels = Channels { t, alpha: None, omega: Some(omega), torque };
+        let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
+        let omega = done.channels.omega.as_ref().unwrap();
+        let changes = |i: usize| (1..omega.len()).filter(move |&k| omega[k][i] != omega[k - 1][i]);
+        assert!(changes(0).eq(changes(1)), "{:?}", done.findings);
+        assert!((595..=601).contains(&changes(0).count()));
         // both wheels in the same rows: that is the refresh of the rows
         let t: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
         let slow: Vec<[f64; 2]> = (0..4000).map(|k| speed(0.005 * f64::from(k - k % 2))).collect();

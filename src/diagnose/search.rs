@@ -4,6 +4,7 @@ mod base;
 mod climb;
 mod order;
 mod refit;
+mod release;
 mod shifts;
 mod starts;
 mod steps;
@@ -52,6 +53,9 @@ pub struct Settings {
     /// those from the starts if it has less than half of their squared error: it is then in another minimum. One that
     /// predicts the held-out recordings better, by the test of an effect, replaces the fit of the model as given.
     pub estimates: Vec<Vec<f64>>,
+    /// Symbols of parameters that the model fixes because its fit does not determine them; they are estimated again with
+    /// each effect that is added.
+    pub held: Vec<String>,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
 }
@@ -64,6 +68,7 @@ impl Default for Settings {
             false_alarm: 0.05,
             max_effects: 3,
             estimates: vec![],
+            held: vec![],
             progress: None,
         }
     }
@@ -99,7 +104,8 @@ pub fn diagnose(
     let search = Search::new(model, starts, data, settings)?;
     let base = search.base(model, starts)?;
     let (steps, rankings) = search.climb_from_best(&base);
-    let ranking = search.with_falls(&base, rankings[0].clone());
+    let mut ranking = search.with_falls(&base, rankings[0].clone());
+    search.compare_with_first(&mut ranking);
     // the remaining candidates were ranked together with the steps that were tried, which others may have
     // replaced
     let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);

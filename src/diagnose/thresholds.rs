@@ -63,11 +63,12 @@ pub struct Thresholds {
     pub strong: f64,
     /// Increase of the BIC of the regression above which it rules an effect out.
     pub ruled_out: f64,
-    /// Difference of BIC below which two effects are not distinguishable (odds of 20 to 1).
+    /// Difference of BIC below which two effects are not distinguishable (odds of 20 to 1); far above the noise, z² of the
+    /// difference between windows (Vuong's test).
     pub alike: f64,
-    /// The same as a share of the BIC itself, for errors far above the noise, which are not independent as the
-    /// criterion assumes.
-    pub alike_share: f64,
+    /// Share of the gain of the best refit by which another may be behind that is continued to convergence (cost: a
+    /// descent for each).
+    pub near_share: f64,
     /// Share of the gain of the first refit that is negligible: other refits stop when their steps gain less.
     pub negligible_share: f64,
     /// Number of candidates, the first of the screening, that are refitted at each step.
@@ -143,7 +144,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     strong: 10.0,
     ruled_out: 10.0,
     alike: 6.0,
-    alike_share: 0.1,
+    near_share: 0.1,
     negligible_share: 0.01,
     refitted: 8,
     refitted_coupled: 2,

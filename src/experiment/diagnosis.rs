@@ -17,7 +17,7 @@ use crate::diagnose::{
 use crate::effects::{self, Change};
 use crate::identify::{IdentifyError, Note, Task, start, start_without_friction};
 use crate::model::Model;
-use crate::model::base::{A1, A2};
+use crate::model::base::{A1, A2, A4, A5};
 use crate::recording::Recording;
 use crate::simulate::PhysicalDynamics;
 use crate::study::{DiagnosisStudy, MethodAtFloor, MethodStudy, Role, Undetermined};
@@ -202,6 +202,7 @@ fn search(
     let starts = starts(plan, &task);
     let settings = Settings {
         estimates: estimates(&model, comparison),
+        held: held_by(&model, &plan.model),
         candidates: candidates(plan, settings),
         ..settings.clone()
     };
@@ -239,10 +240,20 @@ fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model
     // of a1 and a2 the sum or the difference is known, which a1 alone can take
     let of_pair = |j: usize| j == A1 && is_open(A2);
     let open = (0..estimates.len()).filter(|j| some && is_open(*j) && !of_pair(*j));
-    for e in open.map(|j| &estimates[j]) {
-        model = model.fix(&e.symbol, e.value).unwrap_or(model);
+    for j in open {
+        let e = &estimates[j];
+        // a fit in which a dominant torque is missing may have a negative friction
+        let value = if matches!(j, A4 | A5) { e.value.max(0.0) } else { e.value };
+        model = model.fix(&e.symbol, value).unwrap_or(model);
     }
     model
+}
+
+/// Symbols of the parameters that are fixed in a model and not in that of the file.
+fn held_by(model: &Model, file: &Model) -> Vec<String> {
+    let pairs = model.parameters().iter().zip(file.parameters());
+    let held = pairs.filter(|(a, b)| a.fixed.is_some() && b.fixed.is_none());
+    held.map(|(a, _)| a.spec.symbol.clone()).collect()
 }
 
 /// Initial values of the fits: from the weak form, after removing a dead time that exceeds what logging

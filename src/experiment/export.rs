@@ -17,6 +17,7 @@ use crate::io::{
     write_whole,
 };
 use crate::recording::Recording;
+use crate::report::page::unique;
 use crate::study::Combination;
 
 /// A format of `experiment export`.
@@ -202,10 +203,9 @@ fn overlays(
 
 /// The name of a file that is not among `files`, with a number from 2 on if recordings have the same name.
 fn free_name(stem: &str, ending: &str, files: &[(String, Vec<u8>)]) -> String {
-    let is_free = |name: &String| files.iter().all(|(taken, _)| taken != name);
-    let first = format!("{stem}.{ending}");
-    let numbered = (2..).map(|n: usize| format!("{stem}-{n}.{ending}"));
-    std::iter::once(first.clone()).chain(numbered).find(is_free).unwrap_or(first)
+    let with_ending = |name: &str| format!("{name}.{ending}");
+    let is_free = |name: &str| files.iter().all(|(taken, _)| *taken != with_ending(name));
+    with_ending(&unique(stem.to_owned(), is_free))
 }
 
 /// The name of a recording without its extension, with the test of a file of tests, as part of a file name.

@@ -2,24 +2,34 @@
 
 use super::{Likelihood, ProcessNoise, prepare};
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
 
 /// Increase of the log-likelihood for which another level of noise, or another account of the input, is accepted
 /// \[nats\]: four standard errors.
 pub const SURE: f64 = 8.0;
+/// Noise of the input, as a share of its root mean square, that stands for none.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
 /// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
 ///
 /// A held command, and a controller that responds to the counts of an encoder, change from row to row like
 /// noise, but the robot follows them. An incomplete model makes the innovations larger and the ratio one.
+///
+/// A voltage that is held is a command and known exactly: the ratio is zero unless the innovations reject that. Where a
+/// controller feeds back the noise of the speeds, to count its answer as noise of the input biases the inertias and the
+/// time of the input.
 #[must_use]
 pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> f64 {
     let prepared = recordings.iter().map(|r| prepare(r)).collect();
     let likelihood =
         Likelihood { prepared, hold, slow_moment: false, timing: false, step_scatter: 1.0 };
     let seen = likelihood.initial_noise();
+    let is_command = |r: &&Recording| r.drive_unit() == DriveUnit::Volt;
+    if hold == Hold::Constant && recordings.iter().all(is_command) {
+        return noise_of_command(&likelihood, model, p, &seen).unwrap_or(1.0);
+    }
     // the usual case, for which the search is not needed
     if likelihood.asks_for_noise(model, p, &seen) {
         return 1.0;
@@ -29,6 +39,20 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     let Some((seen_value, likely_value)) = value(&seen).zip(value(&likely)) else { return 1.0 };
     let refuted = likely.sigma_m < seen.sigma_m && likely_value - seen_value > SURE;
     if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
+}
+
+/// The ratio of [`noise_of_jumps`] for a command, from the parameters that are the most likely without noise on.
+fn noise_of_command(
+    likelihood: &Likelihood,
+    model: &Model,
+    p: &[f64],
+    seen: &ProcessNoise,
+) -> Option<f64> {
+    let none = ProcessNoise { sigma_m: NEGLIGIBLE * likelihood.torque_rms(), ..*seen };
+    let exact = likelihood.maximise(model, p, Some(none)).ok()?;
+    let (likely, _) = likelihood.noise(model, &exact.p, seen);
+    let gain = likelihood.value(model, &exact.p, &likely)? - exact.log_likelihood;
+    Some(if gain > SURE { (likely.sigma_m / seen.sigma_m).min(1.0) } else { 0.0 })
 }
 
 /// Log-likelihood of recordings under a model at `p`, at its most likely white noise of the input, if its changes
@@ -51,7 +75,7 @@ pub fn likelihood_of_steps(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Channels, DriveUnit};
+    use crate::recording::Channels;
     use crate::robot::{Robot, State};
     use crate::simulate::{Input, simulate};
     use rand::SeedableRng;

@@ -198,6 +198,14 @@ impl Model {
         Ok(model)
     }
 
+    /// This model with parameter number `j` estimated, not fixed.
+    #[must_use]
+    pub fn estimating(&self, j: usize) -> Self {
+        let mut model = self.clone();
+        model.parameters[j].fixed = None;
+        model
+    }
+
     /// This model with an initial value for parameter number `j`.
     #[must_use]
     pub fn starting_at(&self, j: usize, value: f64) -> Self {

@@ -234,14 +234,10 @@ mod tests {
     #[test]
     fn speeds_from_angles_have_the_noise_of_the_difference_of_two_angles() {
         let (h, sigma) = (0.01, 1e-3);
-        let mut state = 1_u64;
-        let mut noise = |s: f64| {
-            // sum of twelve uniform numbers: normal to a fraction of a percent
-            let uniform = |state: &mut u64| {
-                *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                (*state >> 11) as f64 / (1_u64 << 53) as f64
-            };
-            s * ((0..12).map(|_| uniform(&mut state)).sum::<f64>() - 6.0)
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+        let mut noise = |s: f64| -> f64 {
+            let drawn: f64 = StandardNormal.sample(&mut rng);
+            s * drawn
         };
         let t: Vec<f64> = (0..6000).map(|k| h * f64::from(k)).collect();
         let alpha = t.iter().map(|t| [t.sin(), t.cos()].map(|v| v + noise(sigma))).collect();

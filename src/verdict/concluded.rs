@@ -201,8 +201,8 @@ impl<'a> Concluded<'a> {
     }
 
     fn logging(&self) -> Logging {
-        let Basis { train, validation, hold, .. } = self.basis;
-        let judged = if validation.is_empty() { train } else { validation };
+        let Basis { train, hold, .. } = self.basis;
+        let judged = self.basis.judged();
         let half_a_row = || 0.5 * train.iter().map(Recording::step).fold(0.0, f64::max);
         Logging {
             unit: train[0].drive_unit(),

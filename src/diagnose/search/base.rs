@@ -29,20 +29,20 @@ impl Search<'_> {
             });
             fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
         };
-        let first = lowest(starts);
-        // at the noise floor no other minimum can be lower
-        let is_open = first.as_ref().is_none_or(|fit| self.is_unexplained(fit));
-        let other = is_open.then(|| lowest(&self.settings.estimates)).flatten();
-        let base = match (first, other) {
-            (Some(first), Some(other)) if other.cost < THRESHOLDS.most_left * first.cost => {
-                Some(other)
-            }
-            (first, other) => first.or(other),
-        };
         let none =
             || IdentifyError::NoStart { method: "diagnosis".into(), reason: NoStart::Windows };
-        let base = base.ok_or_else(none)?;
-        Ok(if self.is_unexplained(&base) { self.or_estimates(base) } else { base })
+        let Some(first) = lowest(starts) else {
+            return lowest(&self.settings.estimates)
+                .map(|fit| self.or_estimates(fit))
+                .ok_or_else(none);
+        };
+        // at the noise floor no other minimum can be lower
+        if !self.is_unexplained(&first) {
+            return Ok(first);
+        }
+        let other = lowest(&self.settings.estimates);
+        let lower = other.filter(|other| other.cost < THRESHOLDS.most_left * first.cost);
+        Ok(self.or_estimates(lower.unwrap_or(first)))
     }
 
     /// The fit, or the estimates of another method that predict the held-out recordings better, by the test that an

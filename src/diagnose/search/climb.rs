@@ -1,7 +1,7 @@
 //! The forward search: the best effect of a ranking, then the best in addition to it, and other starts if the
 //! search ends unexplained.
 
-use super::order::equals;
+use super::order::{equals, is_lower};
 use super::steps::has_size;
 use super::{Search, is_two_mass};
 use crate::diagnose::fit::WindowFit;
@@ -53,7 +53,7 @@ impl Search<'_> {
         }
     }
 
-    /// Repeatedly adds the best candidate of a ranking that does not raise the reported error, and ranks anew.
+    /// Repeatedly adds the best candidate of a ranking that lowers the reported error, and ranks anew.
     /// Each ranking is returned with the added effect first.
     fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> Climbed {
         let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
@@ -61,12 +61,14 @@ impl Search<'_> {
         let mut shown = self.shown(base);
         while tried.len() < self.settings.max_effects {
             let ranking = rankings.last_mut().expect("there is one per step");
-            // no accepted sequence may contain a step that raises the reported error
+            // no accepted sequence may contain a step that does not lower the reported error
             let Some((n, next)) = self.first_that_lowers(ranking, shown) else { break };
             ranking[..=n].rotate_right(1);
-            shown = next;
-            let best = ranking[0].clone();
-            let Some(refit) = best.refit.clone() else { break };
+            self.compare_with_first(ranking);
+            let mut best = ranking[0].clone();
+            let Some(refit) = best.refit.take().map(|fit| self.released(fit)) else { break };
+            shown = next.min(self.shown(&refit));
+            best.refit = Some(refit.clone());
             tried.push((best, equals(ranking)));
             rankings.push(self.rank(&refit, false));
         }
@@ -76,7 +78,7 @@ impl Search<'_> {
     }
 
     /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and
-    /// whose reported error does not exceed `shown`. The candidate with the best criterion may raise it: if two effects
+    /// whose reported error is [lower](Self::lowers) than `shown`. The candidate with the best criterion may raise it: if two effects
     /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a
     /// simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if
     /// the input between the rows leaves its size open, the first later one is taken that has a size and is hardly less
@@ -87,12 +89,12 @@ impl Search<'_> {
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
         let mut sized = fits.filter(|(_, id, fit)| has_size(fit, id));
         let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
-        let lowers = |one: &(usize, &String, &WindowFit, f64)| one.3 <= shown;
+        let lowers = |one: &(usize, &String, &WindowFit, f64)| self.lowers(shown, one.3, one.2);
         let (first, id, fit, error) = sized.by_ref().filter_map(with_error).find(lowers)?;
         let is_about_as_good = |n: usize| {
             let (one, other) = (&ranking[first], &ranking[n]);
-            let open = self.open_share(one, other).max(THRESHOLDS.alike);
-            other.bic_windows < 0.0 && other.bic - one.bic < open
+            let alike = other.bic - one.bic < THRESHOLDS.alike;
+            other.bic_windows < 0.0 && (alike || self.is_undecided(one, other))
         };
         let alike = sized.filter(|(n, ..)| is_about_as_good(*n)).filter_map(with_error);
         let mut alike =
@@ -101,7 +103,7 @@ impl Search<'_> {
             false => alike.next(),
             true if self.held.is_some() => alike
                 .min_by(|a, b| a.1.total_cmp(&b.1))
-                .filter(|(_, other)| *other < (1.0 - THRESHOLDS.least_fall) * error),
+                .filter(|(_, other)| is_lower(*other, error)),
             true => None,
         };
         Some(other.unwrap_or((first, error)))

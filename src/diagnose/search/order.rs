@@ -2,7 +2,10 @@
 
 use std::cmp::Ordering;
 
+use rayon::prelude::*;
+
 use super::Search;
+use crate::diagnose::evidence::evidence;
 use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -78,30 +81,60 @@ impl Search<'_> {
     }
 
     /// Among the candidates that training windows do not distinguish, ranks first the one with the lowest
-    /// held-out error. This applies far above the noise, where the remaining errors are not independent
-    /// values and the criterion is far too certain, if the first leaves an error above the floor.
+    /// held-out error, if lower by a relevant share. This applies far above the noise, if the first leaves an error
+    /// above the floor.
     fn choose_alike(&self, ranked: &mut [Ranked]) {
-        let Some(first) = ranked.first().filter(|r| r.refit.is_some()) else { return };
-        let open = || first.refit.as_ref().is_some_and(|fit| self.is_unexplained(fit));
-        let near = |r: &Ranked| r.bic_windows - first.bic_windows < self.open_share(first, r);
+        let Some(first) = ranked.first() else { return };
+        let Some(fit) = first.refit.as_ref().filter(|fit| self.is_unexplained(fit)) else { return };
         let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
-        let error = |r: &Ranked| r.refit.as_ref().map_or(f64::INFINITY, |fit| self.shown(fit));
-        let others = (1..ranked.len()).filter(|&n| {
-            let r = &ranked[n];
-            r.refit.is_some() && !shifts(r) && near(r)
-        });
-        let errors = others.map(|n| (n, error(&ranked[n])));
+        let near = |r: &Ranked| r.bic_windows < first.bic_windows || self.is_undecided(first, r);
+        let others = (1..ranked.len()).filter(|&n| !shifts(&ranked[n]) && near(&ranked[n]));
+        let errors = others.filter_map(|n| Some((n, self.shown(ranked[n].refit.as_ref()?))));
         let lowest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((n, _)) = lowest.filter(|(_, least)| *least < error(first) && open()) {
+        if let Some((n, _)) = lowest.filter(|(_, least)| is_lower(*least, self.shown(fit))) {
             ranked[..=n].rotate_right(1);
         }
     }
 
-    /// Difference of the criterion below which training windows do not distinguish two refits far above their
-    /// noise; zero nearer to it, where the uncertainty of the criterion is valid.
-    pub(super) fn open_share(&self, a: &Ranked, b: &Ranked) -> f64 {
-        let far = self.is_far_above(a) && self.is_far_above(b);
-        if far { THRESHOLDS.alike_share * a.bic_windows.abs() } else { 0.0 }
+    /// Whether both refits are far above their noise and the training windows do not distinguish them.
+    pub(super) fn is_undecided(&self, a: &Ranked, b: &Ranked) -> bool {
+        let (Some(one), Some(other)) = (&a.refit, &b.refit) else { return false };
+        self.is_far(one.cost) && self.is_far(other.cost) && !self.is_distinguished(one, other)
+    }
+
+    /// Whether the training windows distinguish two fits, if a window counts as one value: far above the noise the
+    /// errors of its rows are those of the model, and not independent as the criterion assumes.
+    pub(super) fn is_distinguished(&self, one: &WindowFit, other: &WindowFit) -> bool {
+        self.evidence_of_windows(one, other).is_none_or(|z2| z2 > THRESHOLDS.alike)
+    }
+
+    fn evidence_of_windows(&self, one: &WindowFit, other: &WindowFit) -> Option<f64> {
+        let squares = |fit: &WindowFit| self.windows.squares(&fit.model, &fit.p);
+        Some(evidence(&squares(one)?, &squares(other)?))
+    }
+
+    /// The criterion of candidates far above the noise, as the evidence against them compared with the first: it is
+    /// the one that is added, and they are not more probable.
+    ///
+    /// ```text
+    /// ΔBIC = max(0, ±min(z², |ΔBIC|) - 2 ln p)
+    /// ```
+    /// z²: evidence of the training windows, with the sign of their ΔBIC; p: of the fall of the held-out error to that of
+    /// the first.
+    pub(super) fn compare_with_first(&self, ranked: &mut [Ranked]) {
+        let Some((first, others)) = ranked.split_first_mut() else { return };
+        let Some(fit) = first.refit.as_ref().filter(|fit| self.is_far(fit.cost)) else { return };
+        let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
+        others.par_iter_mut().filter(|r| !shifts(r)).for_each(|r| {
+            let Some(other) = r.refit.as_ref().filter(|fit| self.is_far(fit.cost)) else { return };
+            let Some(z2) = self.evidence_of_windows(fit, other) else { return };
+            let by = r.bic_windows - first.bic_windows;
+            let held_out = self.held.is_some().then(|| self.held_out(&[other, fit]));
+            let p = held_out.map_or(1.0, |both| self.fall(&both[0], &both[1]).p_value);
+            let evidence = by.signum() * z2.min(by.abs()) - 2.0 * p.max(f64::MIN_POSITIVE).ln();
+            r.bic = first.bic + evidence.max(0.0);
+        });
+        others.sort_by(before);
     }
 
     /// Whether the errors of the windows of a refit are far larger than their noise.
@@ -113,6 +146,11 @@ impl Search<'_> {
     pub(super) fn is_far(&self, cost: f64) -> bool {
         cost > 0.5 * THRESHOLDS.far_above_floor.powi(2) * self.windows.values() as f64
     }
+}
+
+/// Whether a reported error is lower than another by a relevant share.
+pub(super) fn is_lower(one: f64, other: f64) -> bool {
+    one < (1.0 - THRESHOLDS.least_fall) * other
 }
 
 /// The order of candidates: first those that simulation supports, since the torque balance may be far off where

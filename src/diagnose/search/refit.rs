@@ -46,7 +46,7 @@ impl Search<'_> {
         let fits = || ranked.iter().filter_map(|r| Some((r, r.refit.as_ref()?)));
         let costs = fits().filter(|(r, fit)| within(r, fit)).map(|(_, fit)| fit.cost);
         let least = costs.fold(f64::INFINITY, f64::min);
-        let near = |fit: &WindowFit| fit.cost - least < THRESHOLDS.alike_share * gain(least);
+        let near = |fit: &WindowFit| fit.cost - least < THRESHOLDS.near_share * gain(least);
         of(ranked, wanted).for_each(|r| {
             let Some(mut found) = r.refit.take() else { return };
             if negligible > 0.0 && near(&found) {

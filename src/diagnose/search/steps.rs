@@ -228,10 +228,12 @@ impl Search<'_> {
                 let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;
                 let gain =
                     self.degrees * (now.fit.cost / then.fit.cost).ln() - more * self.degrees.ln();
-                let own = rankings[n].iter().find(|r| r.candidate.id == best[n].id);
-                let open = own.map_or(0.0, |own| self.open_share(own, other)).max(THRESHOLDS.alike);
                 let lower = self.shown(&then.fit) <= self.shown(&now.fit);
-                if next.len() == steps.len() && gain > open && lower && self.stands(then) {
+                let better = gain > THRESHOLDS.alike && lower;
+                // near the noise the criterion decides
+                let sure =
+                    || !self.is_far(then.fit.cost) || self.is_distinguished(&now.fit, &then.fit);
+                if next.len() == steps.len() && better && sure() && self.stands(then) {
                     best = next;
                 }
             }
@@ -255,6 +257,7 @@ impl Search<'_> {
             let Ok(model) = before.model.add_effect(effect) else { break };
             let start: Vec<f64> = before.p.iter().copied().chain(own).collect();
             let Some(next) = fit(&self.windows, &model, &start, &self.scale) else { break };
+            let next = self.released(next);
             let held_out = self.held_out(&[&before, &next]);
             out.push(Step {
                 fit: next.clone(),
@@ -269,6 +272,13 @@ impl Search<'_> {
         out
     }
 
+    /// Whether the reported error falls from one value to that of `fit` by a relevant share, or to the floor without a rise.
+    pub(super) fn lowers(&self, before: f64, after: f64, fit: &WindowFit) -> bool {
+        let share = 1.0 - (after / before).powi(2);
+        let relevant = before.is_infinite() || share >= THRESHOLDS.least_fall;
+        after <= before && (relevant || !self.is_unexplained(fit))
+    }
+
     /// Number of consecutive steps from the first of `fits` that reduce the reported error `shown`, each by more than
     /// the error due to the sampling of the input. For an effect that [`Change::acts_between_rows`] the limit is
     /// [`Judge::between_rows`], the largest error that the input between the rows can cause.
@@ -280,8 +290,7 @@ impl Search<'_> {
     /// ```
     /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
     /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few
-    /// windows in which the input changes: it must only exceed the smallest share, without a limit if the error is
-    /// then at the floor.
+    /// windows in which the input changes: it must only exceed the smallest share.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
@@ -293,14 +302,12 @@ impl Search<'_> {
                 true => self.judge.between_rows(&fit.model, &fit.p),
                 false => open.min(after),
             };
-            let share = 1.0 - (after / before).powi(2);
-            let enough = match is_later(fit, next) {
-                // sampling leaves a time uncertain by half a row, which a shift exceeds
-                true => share >= THRESHOLDS.least_fall || !self.is_unexplained(next),
-                // from an infinite error any finite one is a decrease
-                false => before.is_infinite() || before.powi(2) - after.powi(2) >= open.powi(2),
-            };
-            after <= before && enough
+            // sampling leaves a time uncertain by half a row, which a shift exceeds; from an infinite error any finite one is
+            // a decrease
+            let by_sampling = !is_later(fit, next)
+                && before.is_finite()
+                && before.powi(2) - after.powi(2) < open.powi(2);
+            self.lowers(before, after, next) && !by_sampling
         };
         (1..shown.len()).take_while(falls).count()
     }

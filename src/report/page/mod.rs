@@ -167,7 +167,7 @@ fn draw_figures(content: &PageContent) -> Result<Vec<Drawn<'_>>, ReportError> {
 }
 
 /// The name, with a number from 2 on if it is already used.
-fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
+pub(crate) fn unique(name: String, is_free: impl Fn(&str) -> bool) -> String {
     if is_free(&name) {
         return name;
     }
