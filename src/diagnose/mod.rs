@@ -55,7 +55,7 @@ pub use shapes::shapes_placed;
 pub use smoothed::Smoothed;
 pub use speed_filter::{SpeedFilter, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
+pub use timing::{Timing, timing};
 pub use verdict::{
     Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
     structured, structured_by_blocks, withheld,

@@ -8,7 +8,7 @@ use super::low_pass::{Computed, LowPass};
 use super::rivals::rivals;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{LONGEST, Timed, log_likelihood, timed, with_timing};
+use super::timing::{Timed, log_likelihood, timed, with_timing};
 use super::windows::{Errors, Windows};
 use crate::effects::{Change, Effect, Scale};
 use crate::model::Model;
@@ -193,7 +193,7 @@ impl Search<'_, '_> {
     /// score says nothing.
     fn least(&self, score: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
         let first = THRESHOLDS.logging * self.scale.step;
-        let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
+        let count = ((THRESHOLDS.longest_delay_s / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
         let scores: Vec<f64> = times.iter().map(|&t| score(t)).collect();
         let inside = (1..scores.len() - 1)

@@ -4,7 +4,7 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
-    Accounts, Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input,
+    Accounts, Computed, Judge, LowPass, SpeedFilter, StartAngle, THRESHOLDS, Timing, held_input,
     more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
     with_later_input,
 };
@@ -94,7 +94,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     if !own {
         let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
         let given = (plan.model.clone(), start.clone());
-        let (model, p) = frictionless_start(&task, LONGEST_DELAY).unwrap_or(given);
+        let (model, p) = frictionless_start(&task, THRESHOLDS.longest_delay_s).unwrap_or(given);
         let excited = excited_start(&Task { model: &model, ..task });
         let (model, p) = excited.unwrap_or((model, p));
         plan.timing = timing(&model, &p, &recordings, plan.hold);
