@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod aligned;
+mod as_recorded;
 mod balance;
 mod by_recording;
 mod candidate;
@@ -34,6 +35,7 @@ mod verdict;
 mod windows;
 
 pub use acceptance::{Fall, fall_of};
+pub use as_recorded::AsRecorded;
 pub use candidate::{Candidate, Form};
 pub use candidates::candidates;
 pub use cutoff::cutoff;
