@@ -269,23 +269,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         self.level_grids(&mut looked);
-        let mut best: Vec<Ranked> = Vec::new();
-        for mut one in looked {
-            match best.iter_mut().find(|b| b.candidate.id == one.candidate.id) {
-                Some(b) => {
-                    b.shapes.push(one.candidate.clone());
-                    if one.screened < b.screened {
-                        one.shapes = std::mem::take(&mut b.shapes);
-                        *b = one;
-                    }
-                }
-                None => {
-                    one.shapes.push(one.candidate.clone());
-                    best.push(one);
-                }
-            }
-        }
-        best
+        best_shapes(looked)
     }
 
     /// Divides the likelihood ratios of an effect with many orders and several columns by their median:
@@ -326,6 +310,27 @@ impl<'a> Search<'a> {
     fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
         candidate.parameters() as f64 * self.degrees.ln() - ratio
     }
+}
+
+/// Every effect once, at the shape with the best criterion, with all of its shapes.
+fn best_shapes(looked: Vec<Ranked>) -> Vec<Ranked> {
+    let mut best: Vec<Ranked> = Vec::new();
+    for mut one in looked {
+        match best.iter_mut().find(|b| b.candidate.id == one.candidate.id) {
+            Some(b) => {
+                b.shapes.push(one.candidate.clone());
+                if one.screened < b.screened {
+                    one.shapes = std::mem::take(&mut b.shapes);
+                    *b = one;
+                }
+            }
+            None => {
+                one.shapes.push(one.candidate.clone());
+                best.push(one);
+            }
+        }
+    }
+    best
 }
 
 fn is_two_mass(r: &Ranked) -> bool {
