@@ -113,8 +113,8 @@ fn held_between_rows(plan: &mut Plan, start: &[f64], share: f64) -> Option<Vec<f
     Some(fitted)
 }
 
-/// The time of the input by the motion of the training recordings. A model without friction, or one that the motion does
-/// not excite, is replaced by one that follows it.
+/// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
+/// does not excite, is replaced by one that follows it.
 fn time_of_input(plan: &Plan, start: &[f64]) -> Option<Timing> {
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
@@ -126,7 +126,8 @@ fn time_of_input(plan: &Plan, start: &[f64]) -> Option<Timing> {
     timing(&model, &p, &recordings, plan.hold)
 }
 
-/// Shifts the inputs by the part of their time that logging explains; the uncertainty of this time is part of the noise.
+/// Shifts the inputs by the part of their time that logging explains; the uncertainty of this time is part of the
+/// noise.
 fn apply_timing(plan: &mut Plan) {
     let Some(timing) = plan.timing else { return };
     for MeasuredRecording { recording, .. } in &mut plan.recordings {
