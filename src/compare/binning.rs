@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resistance_over_the_heading_is_told_from_a_torque() {
+    fn a_resistance_over_the_heading_is_distinguished_from_a_torque() {
         let nap = driven(|_, heading, speed| speed.signum() * (2.0 * heading).cos());
         let found = as_it_acts(&nap, Variable::Heading as usize, 1.0, false).unwrap();
         assert_eq!(found.acting, Acting::Resistance);

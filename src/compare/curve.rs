@@ -51,8 +51,8 @@ impl Curve {
         means.map(|m| m.value.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
 
-    /// -ln of the p-value of the remaining dependence if only the blocks of 1 s are independent, as under coloured noise
-    /// of the input. Bins of one or two blocks are left out.
+    /// -ln of the p-value of the remaining dependence if only the blocks of 1 s are independent, as under coloured
+    /// noise of the input. Bins of one or two blocks are left out.
     ///
     /// ```text
     /// T = Σ z² ~ χ²,   z: normal quantile of the p-value of t = (mean - c)/se, of B - 1 degrees of freedom in B blocks

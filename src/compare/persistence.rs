@@ -28,8 +28,8 @@ impl Dynamics for ConstantSpeed {
     }
 }
 
-/// Root mean square error of the speeds over windows of 2 s if they stayed as they are at the start of each window [rad/s]:
-/// what a model must beat to have predicted anything. Zero without windows.
+/// Root mean square error of the speeds over windows of 2 s if they stayed as they are at the start of each window
+/// [rad/s]: what a model must beat to have predicted anything. Zero without windows.
 ///
 /// Source: the persistence forecast, the usual reference of skill scores (Murphy, Mon. Weather Rev. 116, 1988).
 #[must_use]

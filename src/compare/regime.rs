@@ -52,8 +52,8 @@ struct Sums {
 }
 
 impl Sums {
-    /// The error in the regime, with a t test of its mean residual torque; `None` if it has too few rows. `total`: summed
-    /// squared error of both wheels in all regimes.
+    /// The error in the regime, with a t test of its mean residual torque; `None` if it has too few rows. `total`:
+    /// summed squared error of both wheels in all regimes.
     fn failure(mut self, regime: Regime, wheel: usize, total: f64) -> Option<Failure> {
         if self.samples < FEWEST {
             return None;

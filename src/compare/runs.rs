@@ -103,8 +103,8 @@ impl<'a> Runs<'a> {
         Ok(runs.map(|(free, windows)| Run { free, windows }).collect())
     }
 
-    /// Simulated speeds [rad/s] in the rows of `ranges`, as the recording defines them, for every input and every choice of
-    /// initial states.
+    /// Simulated speeds [rad/s] in the rows of `ranges`, as the recording defines them, for every input and every
+    /// choice of initial states.
     fn speeds(
         &self,
         torques: &[Vec<[f64; 2]>],

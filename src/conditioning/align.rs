@@ -5,10 +5,11 @@
 //! samples:
 //!
 //! ```text
-//! rows           those in which the sensor with the most samples has one, or a slower one, or a measured input that has
+//! rows           those in which the sensor with the most samples has one, or a slower one, or a measured input with
 //!                fewer
 //! other sensors  the line between the samples around the row, and a measured input as well
-//! a command      the last sample: it holds until the next, which a controller may write shortly after the sensors of its cycle
+//! a command      the last sample: it holds until the next, which a controller may write shortly after the sensors of
+//!                its cycle
 //! ```
 //! Between its samples a measured input is unknown, so rows are not added there. Interpolated values would be counted
 //! as measurements: angles with fewer samples than the speeds are discarded, and vice versa; if one wheel has fewer
@@ -44,8 +45,8 @@ pub fn common_slow_pair<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> 
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
 
-/// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is less
-/// than that of the sensor, and one row in five moves what the rows show of it by a tenth.
+/// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is
+/// less than that of the sensor, and one row in five moves what the rows show of it by a tenth.
 const FEW: f64 = 0.8;
 /// Part of its range beyond which an angle does not move between two samples, but wraps.
 const WRAP: f64 = 0.5;
@@ -136,8 +137,8 @@ pub(super) fn align(
     }
 }
 
-/// Reads all sensors in the rows in which that with the fewest samples has one, and holds these values until the next of
-/// them. All rows stay, since the input may change in any, but for those before the first and after the last sample
+/// Reads all sensors in the rows in which that with the fewest samples has one, and holds these values until the next
+/// of them. All rows stay, since the input may change in any, but for those before the first and after the last sample
 /// of a sensor.
 pub(super) fn read_together(work: &mut Conditioned, cells: &[Cells]) {
     let count = |cells: &[bool]| cells.iter().filter(|c| **c).count();
@@ -175,8 +176,8 @@ pub(super) fn refreshed_alone(t: &[f64], values: &[f64]) -> Vec<bool> {
     refreshed(&Channels { t: t.to_vec(), alpha, omega: None, torque: vec![] })
 }
 
-/// Part of the period of a command within which a sample after a row is of the same cycle (judgement): the command acts this
-/// much too early then, and a whole cycle too late otherwise.
+/// Part of the period of a command within which a sample after a row is of the same cycle (judgement): the command acts
+/// this much too early then, and a whole cycle too late otherwise.
 const CYCLE: f64 = 0.1;
 
 /// A command: the last sample at each row, or the next one of the same cycle; none before the first.

@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn speeds_of_a_motor_beside_angles_of_the_wheel_are_said() {
+    fn speeds_of_a_motor_beside_angles_of_the_wheel_are_reported() {
         let said = |factor: f64| {
             let done = changed(|c| {
                 c.omega.iter_mut().flatten().for_each(|v| *v = v.map(|x| x * factor));

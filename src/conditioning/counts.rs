@@ -32,7 +32,8 @@ const LEVELS: usize = 4;
 /// Largest root mean square distance from whole counts, in counts: 0.29 for other speeds, 0.01 for counts
 /// written with four digits.
 const OFF: f64 = 0.05;
-/// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their logarithms.
+/// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their
+/// logarithms.
 const TAKEN_BACK: f64 = 1.414;
 /// Variance of the second differences above that is nearer to that of counts, 20/12, than to that of rounded speeds,
 /// 6/12, by their logarithms.

@@ -1,7 +1,8 @@
-//! Stretches in which the sensors of a wheel give no new value although its input must have moved it: a dead encoder, or a
-//! wheel that is blocked or not powered.
+//! Stretches in which the sensors of a wheel give no new value although its input must have moved it: a dead encoder,
+//! or a wheel that is blocked or not powered.
 //!
-//! The motion that the input would have caused is computed with a simple model, fitted to windows outside such stretches:
+//! The motion that the input would have caused is computed with a simple model, fitted to windows outside such
+//! stretches:
 //!
 //! ```text
 //! c1 dw/dt = M' - friction - c3 w,   M' = M - c4 dw'/dt - c5 w'      (w': speed of the other wheel)
@@ -54,7 +55,8 @@ struct Stretch {
     or_blocked: bool,
 }
 
-/// Leaves out the rows in which the sensors of a wheel are constant although it is driven; refuses them if too few are left.
+/// Leaves out the rows in which the sensors of a wheel are constant although it is driven; refuses them if too few are
+/// left.
 pub(super) fn stretches(
     work: &mut Conditioned,
     settings: &Settings,

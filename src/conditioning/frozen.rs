@@ -6,9 +6,9 @@
 //! ```text
 //! turned = |w| (time that the value stands)
 //! ```
-//! A value that corresponds to many times that angle, while the input is less than half of that at such a speed, is the last
-//! one before a rest, if it is close to the value before it (an outlier is not) and far from the next one. Its rows contain
-//! the time at which the wheel moves again, and no speed.
+//! A value that corresponds to many times that angle, while the input is less than half of that at such a speed, is the
+//! last one before a rest, if it is close to the value before it (an outlier is not) and far from the next one. Its
+//! rows contain the time at which the wheel moves again, and no speed.
 
 use std::ops::Range;
 
@@ -22,8 +22,8 @@ const LONG: f64 = 3.0;
 /// Smallest number of rows of a value kept at rest: with fewer the angle of one value is known to less than a
 /// third.
 const ROWS: usize = 4;
-/// Part of the usual input below which it drives no more, and of a speed by which no wheel changes in a row after it has
-/// not changed at all.
+/// Part of the usual input below which it drives no more, and of a speed by which no wheel changes in a row after it
+/// has not changed at all.
 const HALF: f64 = 0.5;
 
 /// Leaves out the rows in which a speed is kept at rest, except the first.

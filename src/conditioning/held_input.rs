@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sampled_input_is_told_from_a_held_one_by_the_wheels() {
+    fn a_sampled_input_is_distinguished_from_a_held_one_by_the_wheels() {
         let run =
             |acting| condition(wheels(acting), &Settings::default(), &Context::default()).unwrap();
         // means of the line over the halves of the interval

@@ -11,8 +11,8 @@ use crate::recording::never_moves;
 const MOVING: f64 = 0.2;
 /// Smallest number and share of the rows in each direction.
 const BOTH_WAYS: (usize, f64) = (20, 0.02);
-/// Time on either side over which a speed rises \[s\], and smallest number of rows: less than a start takes, and more than
-/// the noise of single rows.
+/// Time on either side over which a speed rises \[s\], and smallest number of rows: less than a start takes, and more
+/// than the noise of single rows.
 const RISE: (f64, usize) = (0.05, 2);
 /// Share of the backward rows that are those of steepest rise.
 const STEEPEST: f64 = 0.25;
@@ -32,8 +32,8 @@ pub(super) fn few_levels(work: &mut Conditioned) {
     }
 }
 
-/// An input that never changes its sign although its wheel is driven both ways. A wheel whose sensors show noise alone is
-/// not driven.
+/// An input that never changes its sign although its wheel is driven both ways. A wheel whose sensors show noise alone
+/// is not driven.
 pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
     let Some(speeds) = speeds(work) else { return Ok(()) };
     for i in 0..2 {
@@ -54,8 +54,8 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
         let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
-        // backward motion must occur under a substantial input, not while the wheel coasts: most of the time where friction
-        // is large, as it gains speed where inertia is
+        // backward motion must occur under a substantial input, not while the wheel coasts: most of the time where
+        // friction is large, as it gains speed where inertia is
         let is_input =
             |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
         let driven = is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));

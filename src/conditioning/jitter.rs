@@ -29,10 +29,11 @@ const SURE: f64 = 5.0;
 /// e_k = (v_k - Σ_j w_j v_j)/√(1 + Σ_j w_j²),   w: cubic through two rows on either side, by either of the times
 /// e_stamp = c (e_stamp - e_even) + u,          c - 1/2 > 5 se(c),   se: u correlated within blocks of 16 rows
 /// ```
-/// c is 1 where the motion on even times leaves noise alone, and 0 where that on the stamps does. Its error does not grow
-/// with the share of the rows in which the speeds change, as that of a mean of squares over all blocks does.
-/// White noise of the sensors alone gives c = 1/2. If another recording of the same log shows even rows, a recording whose
-/// own motion does not contradict this as clearly is treated alike: recordings at other times would differ in their inertia.
+/// c is 1 where the motion on even times leaves noise alone, and 0 where that on the stamps does. Its error does not
+/// grow with the share of the rows in which the speeds change, as that of a mean of squares over all blocks does. White
+/// noise of the sensors alone gives c = 1/2. If another recording of the same log shows even rows, a recording whose
+/// own motion does not contradict this as clearly is treated alike: recordings at other times would differ in their
+/// inertia.
 pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &Context) {
     if !settings.rows || in_batches(work) {
         return;
@@ -53,8 +54,8 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// The scatter of the stamps `t` about even times as a share of a row; `None` if it is negligible, or so large that a row
-/// cannot be distinguished from the next.
+/// The scatter of the stamps `t` about even times as a share of a row; `None` if it is negligible, or so large that a
+/// row cannot be distinguished from the next.
 fn share_of_scatter(t: &[f64], even: &[f64]) -> Option<f64> {
     let step = median_step(t);
     let off: Vec<f64> = t.iter().zip(even).map(|(t, even)| (t - even) / step).collect();
@@ -189,7 +190,8 @@ mod tests {
     use crate::recording::Channels;
     use rand::{Rng, SeedableRng};
 
-    /// Rows of 10 ms read at `t + read` and stamped `t + stamped`, uniform in shares of a row; every fortieth row is lost.
+    /// Rows of 10 ms read at `t + read` and stamped `t + stamped`, uniform in shares of a row; every fortieth row is
+    /// lost.
     fn work(read: f64, stamped: f64, noise: f64) -> Conditioned {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
         let mut uniform = |width: f64| width * (rng.random::<f64>() - 0.5);

@@ -6,11 +6,12 @@ use crate::recording::{REGULAR, is_gap};
 /// Part of a row by which steps of an even logger differ from whole rows at most (judgement).
 const EXACT: f64 = 0.1;
 
-/// An input that is held from row to row, with its mean until the next row where rows in between were lost, and the number
-/// of these. `None` if none is lost, or the rows are not even.
+/// An input that is held from row to row, with its mean until the next row where rows in between were lost, and the
+/// number of these. `None` if none is lost, or the rows are not even.
 ///
 /// ```text
-/// mean = M_k + (n - 1)/(2 n) (M_k+n - M_k),   n: steps from a row to the next, the lost values on the line between them
+/// mean = M_k + (n - 1)/(2 n) (M_k+n - M_k)
+/// n: steps from a row to the next; the lost values are on the line between them
 /// ```
 /// Held at M_k over n steps the input would be late by (n - 1)/2 of them on average, and inertias too large.
 #[must_use]

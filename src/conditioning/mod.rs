@@ -113,7 +113,8 @@ pub fn condition(
     rows::times(&mut work, settings, context);
     let t = &work.channels.t;
     if t.len() < FEWEST_ROWS || !signal::is_increasing(t) {
-        return Ok(work); // the check of the recording reports a recording that is too short, or a time that does not increase
+        // the check of the recording reports one that is too short, or a time that does not increase
+        return Ok(work);
     }
     counts::angles(&mut work, settings, context);
     jitter::even_times(&mut work, settings, context);

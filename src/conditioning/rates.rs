@@ -44,8 +44,8 @@ fn are_read_in_turn(cells: &[Cells]) -> bool {
     cells.iter().skip(1).any(|(_, other)| in_turn((&cells[0].1, other)))
 }
 
-/// The rows in which a sensor has measured: those in which it changes, and where it does not for longer than usual, at rest,
-/// as many rows after one another.
+/// The rows in which a sensor has measured: those in which it changes, and where it does not for longer than usual, at
+/// rest, as many rows after one another.
 fn samples(t: &[f64], values: &[f64]) -> Vec<bool> {
     let new = new_in(t, values);
     if new.iter().all(|new| *new) {

@@ -69,8 +69,8 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// Makes time increase: rows after a restart of the clock are moved behind a gap, those within a tick of a coarse
-/// clock are spread over it, and late rows that a receiver stamped alike are put on even times; of the others the longest
+/// Makes time increase: rows after a restart of the clock are moved behind a gap, those within a tick of a coarse clock
+/// are spread over it, and late rows that a receiver stamped alike are put on even times; of the others the longest
 /// strictly increasing sequence stays, so that one wrong time stamp removes only one row, whether it is too early or
 /// too late.
 pub(super) fn times(work: &mut Conditioned, settings: &Settings, context: &Context) {
@@ -98,8 +98,8 @@ pub(super) fn times(work: &mut Conditioned, settings: &Settings, context: &Conte
 /// Part of a step between rows with equal stamps while even times are sought: small against the delays of a receiver.
 const APART: f64 = 1e-3;
 
-/// Puts rows on even times of which a receiver stamped some alike, because the earlier of them was late; whether it did.
-/// A copy of the row before is no row of its own and is left out.
+/// Puts rows on even times of which a receiver stamped some alike, because the earlier of them was late; whether it
+/// did. A copy of the row before is no row of its own and is left out.
 fn received_at_once(work: &mut Conditioned, settings: &Settings, context: &Context) -> bool {
     let t = &work.channels.t;
     if t.windows(2).any(|w| w[1] < w[0]) {

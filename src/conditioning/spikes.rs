@@ -36,8 +36,8 @@ const ALONE: f64 = 0.25;
 /// Number of standard errors for a significant response, or its absence.
 const SURE: f64 = 4.0;
 
-/// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row, which
-/// its angle does not.
+/// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row,
+/// which its angle does not.
 pub(super) fn sensors(work: &mut Conditioned, settings: &Settings) {
     let fresh = refreshed(&work.channels);
     let samples: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();

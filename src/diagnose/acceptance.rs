@@ -4,9 +4,6 @@ use super::thresholds::THRESHOLDS;
 use crate::math::distribution::t_survival;
 use crate::math::mean;
 
-/// Largest correlation of neighbouring windows that is corrected for.
-const MOST_CORRELATED: f64 = 0.9;
-
 /// The fall of the error from one model to the next over held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Fall {
@@ -77,7 +74,7 @@ fn probability(d: &[f64], w: &[f64]) -> f64 {
     let off: Vec<f64> = d.iter().zip(w).map(|(d, w)| w * (d - mean)).collect();
     let square: f64 = off.iter().map(|v| v * v).sum();
     let product: f64 = off.windows(2).map(|v| v[0] * v[1]).sum();
-    let r = (product / square.max(f64::MIN_POSITIVE)).clamp(0.0, MOST_CORRELATED);
+    let r = (product / square.max(f64::MIN_POSITIVE)).clamp(0.0, THRESHOLDS.most_correlated);
     let variance = square / (total * total) * count / (count - 1.0);
     let se = (variance * (1.0 + r) / (1.0 - r)).sqrt();
     if se > 0.0 { t_survival(mean / se, count - 1.0) } else { 1.0 }

@@ -17,8 +17,8 @@ pub(super) struct Coarse {
     square: f64,
 }
 
-/// Searches the whole range, from `earliest` rows to `longest` seconds, as the square changes, then in half rows around the
-/// lowest.
+/// Searches the whole range, from `earliest` rows to `longest` seconds, as the square changes, then in half rows around
+/// the lowest.
 pub(super) fn lowest_of_balance(
     regression: &Regression,
     step: f64,
@@ -39,13 +39,14 @@ pub(super) fn lowest_of_balance(
     Some(Coarse { shift: coarse(place), range, longest, square })
 }
 
-/// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters, in finer
-/// steps around the lowest of half rows.
+/// Shift and standard error \[s\] by the residual of a low-passed regression of the input on the free parameters, in
+/// finer steps around the lowest of half rows.
 ///
 /// ```text
 /// minimise RSS(T),   se² = 2 RSS/(n RSS''),   n = 2 fc (time of motion)
 /// ```
-/// `None` without a minimum inside the range, or with an uncertainty beyond it: the balance does not determine the shift.
+/// `None` without a minimum inside the range, or with an uncertainty beyond it: the balance does not determine the
+/// shift.
 pub(super) fn by_balance(
     regression: &Regression,
     step: f64,

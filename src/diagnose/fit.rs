@@ -189,7 +189,8 @@ fn add_errors(fit: &mut WindowFit, free: &[usize], errors: &DVector<f64>) {
     raise_errors(&mut fit.covariance, &all);
 }
 
-/// Change of a fit, with its information over the free parameters, if the time at place `n` among them is wrong by `late`.
+/// Change of a fit, with its information over the free parameters, if the time at place `n` among them is wrong by
+/// `late`.
 ///
 /// ```text
 /// δ_others = -H⁻¹ h late,   H: information of the others, h: their column of the time

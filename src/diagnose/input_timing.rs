@@ -111,8 +111,8 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     t.iter().map(|&now| between_rows(t, m, -shift + now, &mut row)).collect()
 }
 
-/// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is held.
-/// `row` is where the last instant was found, and is moved.
+/// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is
+/// held. `row` is where the last instant was found, and is moved.
 #[inline(always)]
 fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T; 2] {
     let last = t.len() - 1;

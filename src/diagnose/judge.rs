@@ -17,8 +17,6 @@ use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::robot::State;
 use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
 
-/// Standard errors by which parameters may be wrong.
-const TWO_ERRORS: f64 = 2.0;
 /// Relative difference of the errors of two simulations that rounding explains.
 const ROUNDING: f64 = 1e-9;
 
@@ -146,9 +144,9 @@ impl Judge {
         Ok(Errors { uncertain, ..errors })
     }
 
-    /// The squared error of a fit on its training recordings over their squared floor, at least one: the factor by which an
-    /// error of the model, beside noise, raises the covariance of the parameters. Whether the model is correct cannot be
-    /// decided by a covariance that contains its error.
+    /// The squared error of a fit on its training recordings over their squared floor, at least one: the factor by
+    /// which an error of the model, beside noise, raises the covariance of the parameters. Whether the model is correct
+    /// cannot be decided by a covariance that contains its error.
     fn misfit(&self, fit: &WindowFit, train: &[Recording]) -> Result<f64, SimulateError> {
         let own = Self { recordings: train.to_vec(), hold: self.hold };
         let floor = own.floor(&fit.model, &fit.p).expected.powi(2);
@@ -157,15 +155,15 @@ impl Judge {
         Ok(if error > floor && floor > 0.0 { error / floor } else { 1.0 })
     }
 
-    /// What the uncertainty of the parameters of a fit may add to the error over windows, squared [rad^2/s^2]: recordings
-    /// with another movement than the training ones (faster turns, higher speeds) depend on combinations of the
-    /// parameters that the latter determine less well.
+    /// What the uncertainty of the parameters of a fit may add to the error over windows, squared [rad^2/s^2]:
+    /// recordings with another movement than the training ones (faster turns, higher speeds) depend on combinations of
+    /// the parameters that the latter determine less well.
     ///
     /// ```text
     /// 2² Σ_k mean (w(p + √λ_k v_k) - w(p))²   λ, v: eigenvalues and eigenvectors of the covariance
     /// ```
-    /// Directions that the training recordings do not determine at all, and those in which the model cannot be simulated,
-    /// are left out.
+    /// Directions that the training recordings do not determine at all, and those in which the model cannot be
+    /// simulated, are left out.
     fn uncertain(&self, fit: &WindowFit) -> Result<f64, SimulateError> {
         let known = fit.covariance.map(|v| if v.is_finite() { v } else { 0.0 });
         let eigen = known.symmetric_eigen();
@@ -186,7 +184,7 @@ impl Judge {
             Some(mean(pairs.map(apart)) / 2.0).filter(|square| square.is_finite())
         };
         let places = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > 0.0);
-        Ok(TWO_ERRORS.powi(2) * places.filter_map(square).sum::<f64>())
+        Ok(THRESHOLDS.parameter_errors.powi(2) * places.filter_map(square).sum::<f64>())
     }
 
     /// Mean square change of a speed within the windows [rad^2/s^2]: the squared error of constant speeds.
@@ -246,8 +244,9 @@ impl Judge {
         Ok(out)
     }
 
-    /// Error over windows of the correct model [rad/s] with the slow noise of a measured input that the innovations of the
-    /// filter show; zero if it is larger than noise of a sensor can be, or if the input is a voltage, which is commanded.
+    /// Error over windows of the correct model [rad/s] with the slow noise of a measured input that the innovations of
+    /// the filter show; zero if it is larger than noise of a sensor can be, or if the input is a voltage, which is
+    /// commanded.
     #[must_use]
     pub fn coloured_floor(&self, model: &Model, p: &[f64], slow: SlowNoise) -> f64 {
         let squares = self.recordings.iter().flat_map(|r| r.torque().iter().flatten());

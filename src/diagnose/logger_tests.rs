@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Accounts, held_input, more_likely_logging, speed_filter, timing};
+use super::{Accounts, AsRecorded, held_input, more_likely_logging, speed_filter, timing};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -86,7 +86,7 @@ fn started(model: &Model, recording: &mut Recording) -> Vec<f64> {
 }
 
 #[test]
-fn speeds_behind_a_low_pass_of_their_sensor_are_told_from_a_lag_of_the_actuator() {
+fn speeds_behind_a_low_pass_of_their_sensor_are_distinguished_from_a_lag_of_the_actuator() {
     let model = Model::base(Robot::amigobot());
     // exponential moving average: mean delay h (1 - a)/a, which the pole of the low-pass, -h/ln(1 - a), exceeds
     let (h, share) = (0.01, 0.3);
@@ -101,7 +101,8 @@ fn speeds_behind_a_low_pass_of_their_sensor_are_told_from_a_lag_of_the_actuator(
     for seed in [31, 32] {
         let mut filtered = stepped(&[], Hold::Linear, seed, low);
         let first = started(&model, &mut filtered);
-        let found = speed_filter(&model, &first, &[&filtered], Hold::Linear).unwrap();
+        let found =
+            speed_filter(&AsRecorded::new(&model, &first, &[&filtered], Hold::Linear)).unwrap();
         let (mean, pole) = (h * (1.0 - share) / share, -h / (1.0_f64 - share).ln());
         // no continuous low-pass has both; a tenth for the row between them
         let time = found.low_pass.time_s;
@@ -110,14 +111,14 @@ fn speeds_behind_a_low_pass_of_their_sensor_are_told_from_a_lag_of_the_actuator(
         for effect in [("actuator_lag", 0.03), ("actuator_delay", 0.025)] {
             let mut late = stepped(&[effect], Hold::Linear, seed, |rows| rows);
             let first = started(&model, &mut late);
-            let found = speed_filter(&model, &first, &[&late], Hold::Linear);
+            let found = speed_filter(&AsRecorded::new(&model, &first, &[&late], Hold::Linear));
             assert_eq!(found, None, "{seed} {effect:?}");
         }
     }
 }
 
 #[test]
-fn an_input_that_is_held_between_the_rows_is_told_from_one_that_runs_on() {
+fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on() {
     let model = Model::base(Robot::amigobot());
     for seed in [41, 42] {
         for truth in [Hold::Constant, Hold::Linear] {
@@ -154,7 +155,13 @@ fn friction_that_is_larger_at_rest_is_no_low_pass_of_the_speeds() {
     let model = Model::base(Robot::amigobot());
     let mut recording = breaking_away();
     let first = started(&model, &mut recording);
-    assert_eq!(speed_filter(&model, &first, &[&recording], Hold::Linear), None);
+    assert_eq!(speed_filter(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)), None);
     let averages = Accounts { averages: true, steps: false };
-    assert!(more_likely_logging(&model, &first, &[&recording], Hold::Linear, averages).is_none());
+    assert!(
+        more_likely_logging(
+            &AsRecorded::new(&model, &first, &[&recording], Hold::Linear),
+            averages
+        )
+        .is_none()
+    );
 }

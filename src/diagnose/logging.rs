@@ -2,15 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::rivals::rivals;
-use super::scale::scale_of;
+use super::as_recorded::{AsRecorded, Rival};
 use super::speed_filter::{Averaged, Search, SpeedFilter};
 use super::thresholds::THRESHOLDS;
 use super::timing::{Timed, likelihood_with_scatter, log_likelihood, timed};
-use crate::effects::Scale;
 use crate::filter::SURE;
-use crate::model::Model;
-use crate::recording::Recording;
 use crate::simulate::Hold;
 
 /// The accounts that may be given beside that of the file.
@@ -33,10 +29,10 @@ pub struct Logging {
     pub p: Vec<f64>,
 }
 
-/// The account of `recordings` that is significantly more likely than the one given, in which the input is as in `hold`
-/// and the speeds are those of the wheels: of those `allowed` averages of the speeds over the rows (not of `recordings`
-/// with angles), and changes of the input between the rows. This is asked where a model at `p` does not explain the
-/// motion within noise, or is late; `None` otherwise.
+/// The account of recordings that is significantly more likely than the one `given`, in which the input is as the file
+/// describes it and the speeds are those of the wheels: of those `allowed` averages of the speeds over the rows (not of
+/// recordings with angles), and changes of the input between the rows. `None` too where the model of the one given
+/// explains the motion within noise and is not late.
 ///
 /// ```text
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
@@ -47,27 +43,21 @@ pub struct Logging {
 /// friction that is larger at rest makes speeds late. Recordings with no more windows than parameters follow any
 /// account, and show none.
 #[must_use]
-pub fn more_likely_logging(
-    model: &Model,
-    p: &[f64],
-    recordings: &[&Recording],
-    hold: Hold,
-    allowed: Accounts,
-) -> Option<Logging> {
-    let steps = allowed.steps && hold == Hold::Constant;
-    let averages = allowed.averages && !recordings.iter().any(|r| r.measured().alpha);
+pub fn more_likely_logging(given: &AsRecorded, allowed: Accounts) -> Option<Logging> {
+    let steps = allowed.steps && given.hold == Hold::Constant;
+    let averages = allowed.averages && !given.recordings.iter().any(|r| r.measured().alpha);
     if !steps && !averages {
         return None;
     }
-    let scale = scale_of(model, p, recordings);
     let allowed = Accounts { averages, steps };
-    let context = Context { model, recordings, scale: &scale, allowed };
-    let found = context.likelier(p, hold)?;
-    let Some((model, start)) = context.as_likely_with_effect(&found, hold) else {
+    let context = Context { given, allowed };
+    let found = context.likelier()?;
+    let Some(rival) = context.as_likely_with_effect(&found) else {
         return Some(found.logging);
     };
-    let mut logging = Context { model: &model, ..context }.likelier(&start, hold)?.logging;
-    logging.p.truncate(p.len());
+    let given_too = given.with_model(&rival.model, rival.p());
+    let mut logging = Context { given: &given_too, allowed }.likelier()?.logging;
+    logging.p.truncate(given.p.len());
     Some(logging)
 }
 
@@ -88,27 +78,20 @@ impl Account {
     }
 }
 
-/// What every account is fitted to.
+/// The account given, and those beside it.
 struct Context<'a, 'b> {
-    model: &'b Model,
-    recordings: &'b [&'a Recording],
-    scale: &'b Scale,
+    given: &'b AsRecorded<'a>,
     allowed: Accounts,
 }
 
-impl<'a> Context<'a, '_> {
-    fn timed(&self, model: &Model, p: &[f64], hold: Hold) -> Option<Timed<'a>> {
-        timed(model, p, 0.0, self.recordings, hold, self.scale)
-    }
-
-    /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded; the model has `count`
-    /// parameters.
-    fn averaged(&self, plain: &Timed, count: usize, hold: Hold) -> Option<Account> {
-        let Self { model, recordings, scale, allowed } = *self;
-        if !allowed.averages {
+impl Context<'_, '_> {
+    /// The likeliest average of the speeds over the rows, beside a fit to the speeds as recorded.
+    fn averaged(&self, plain: &Timed, hold: Hold) -> Option<Account> {
+        let AsRecorded { model, p, recordings, scale, .. } = self.given;
+        if !self.allowed.averages {
             return None;
         }
-        let p = &plain.fit.p[..count];
+        let p = &plain.fit.p[..p.len()];
         let search = Search { plain, model, p, recordings, hold, scale };
         let Averaged { low_pass, likelihood, p, error } = search.most_likely()?;
         let late = search.late_actuators(low_pass.low_pass);
@@ -118,10 +101,11 @@ impl<'a> Context<'a, '_> {
     }
 
     /// Steps of the input between the rows, with the speeds as recorded and with their likeliest average.
-    fn between_rows(&self, p: &[f64]) -> Vec<Account> {
+    fn between_rows(&self) -> Vec<Account> {
         let hold = Hold::Linear;
-        let Some(timed) = self.timed(self.model, p, hold) else { return vec![] };
-        let of = |scatter| likelihood_with_scatter(&timed.fit, self.recordings, hold, scatter);
+        let AsRecorded { model, p, recordings, scale, .. } = self.given;
+        let Some(timed) = timed(model, p, 0.0, recordings, hold, scale) else { return vec![] };
+        let of = |scatter| likelihood_with_scatter(&timed.fit, recordings, hold, scatter);
         let [Some(likelihood), Some(less)] = [1.0, THRESHOLDS.less_scatter].map(of) else {
             return vec![];
         };
@@ -130,50 +114,47 @@ impl<'a> Context<'a, '_> {
         }
         let logging = Logging { hold, low_pass: None, p: timed.fit.p[..p.len()].to_vec() };
         let alone = Account { logging, likelihood, error: timed.error(), rivals: vec![] };
-        [alone].into_iter().chain(self.averaged(&timed, p.len(), hold)).collect()
+        [alone].into_iter().chain(self.averaged(&timed, hold)).collect()
     }
 
-    /// The account that is significantly more likely than the one given, with the model near `p`.
-    fn likelier(&self, p: &[f64], hold: Hold) -> Option<Account> {
-        let given = self.timed(self.model, p, hold)?;
+    /// The account that is significantly more likely than the one given.
+    fn likelier(&self) -> Option<Account> {
+        let AsRecorded { recordings, hold, scale, .. } = self.given;
+        let given = self.given.fit()?;
         let above = given.error() > THRESHOLDS.above_floor;
-        if given.fit.is_short() || !above && !given.is_late(self.scale.logging) {
+        if given.fit.is_short() || !above && !given.is_late(scale.logging) {
             return None;
         }
-        let plain = log_likelihood(&given.fit, self.recordings, hold)?;
+        let plain = log_likelihood(&given.fit, recordings, *hold)?;
         let is_surer = |account: &Account, other: f64, error: f64| {
             account.is_surer(account.rivals.iter().copied().fold(other, f64::max), error)
         };
-        let averaged = self.averaged(&given, p.len(), hold);
+        let averaged = self.averaged(given, *hold);
         let averaged = averaged.filter(|a| is_surer(a, plain, a.error));
         let held = averaged.as_ref().map_or(plain, |averaged| averaged.likelihood);
-        let between = if above && self.allowed.steps { self.between_rows(p) } else { vec![] };
+        let between = if above && self.allowed.steps { self.between_rows() } else { vec![] };
         let between = between.into_iter().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
         // the errors of steps between the rows are small by their own large noise
         let between = between.filter(|a| is_surer(a, held, given.error()));
         between.map(|account| Account { error: given.error(), ..account }).or(averaged)
     }
 
-    /// The likeliest model with an effect of [`rivals`] with which the account given is about as likely as another one,
-    /// with its parameters.
-    fn as_likely_with_effect(&self, account: &Account, hold: Hold) -> Option<(Model, Vec<f64>)> {
-        let likelihood = |(model, p): (Model, Vec<f64>)| {
-            let fit = self.timed(&model, &p, hold)?.fit;
-            let likelihood = log_likelihood(&fit, self.recordings, hold)?;
-            let p = fit.p[..p.len()].to_vec();
-            (!account.is_surer(likelihood, account.error)).then_some((likelihood, model, p))
-        };
-        let all = rivals(self.model, &account.logging.p, self.scale);
-        let near = all.into_par_iter().filter_map(likelihood);
-        let likeliest = near.max_by(|a, b| a.0.total_cmp(&b.0));
-        likeliest.map(|(_, model, p)| (model, p))
+    /// The likeliest model with an effect more with which the account given is about as likely as another one.
+    fn as_likely_with_effect(&self, account: &Account) -> Option<&Rival> {
+        let AsRecorded { recordings, hold, .. } = self.given;
+        let near = self.given.rivals().par_iter().filter_map(|rival| {
+            let likelihood = log_likelihood(&rival.fit, recordings, *hold)?;
+            (!account.is_surer(likelihood, account.error)).then_some((likelihood, rival))
+        });
+        near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, rival)| rival)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Channels, DriveUnit};
+    use crate::model::Model;
+    use crate::recording::{Channels, DriveUnit, Recording};
     use crate::robot::{Robot, State};
     use crate::simulate::{Input, simulate};
     use rand::{Rng, SeedableRng};
@@ -182,8 +163,8 @@ mod tests {
     /// Steps per row of the motion.
     const FINE: usize = 10;
 
-    /// 30 s at 50 Hz of a robot with `effects` whose input takes a new value every 10 rows, `late(k)` tenths of a row after
-    /// row k, and is recorded at the rows.
+    /// 30 s at 50 Hz of a robot with `effects` whose input takes a new value every 10 rows, `late(k)` tenths of a row
+    /// after row k, and is recorded at the rows.
     fn driven(effects: &[(&str, f64)], mut late: impl FnMut() -> usize) -> Recording {
         let ids: Vec<&str> = effects.iter().map(|e| e.0).collect();
         let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
@@ -216,7 +197,9 @@ mod tests {
     fn account(recording: &Recording) -> Option<Logging> {
         let model = Model::base(Robot::amigobot());
         let all = Accounts { averages: true, steps: true };
-        more_likely_logging(&model, &model.initial(), &[recording], Hold::Constant, all)
+        let recordings = [recording];
+        let given = AsRecorded::new(&model, &model.initial(), &recordings, Hold::Constant);
+        more_likely_logging(&given, all)
     }
 
     fn found(recording: &Recording) -> bool {

@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod aligned;
+mod as_recorded;
 mod balance;
 mod by_recording;
 mod candidate;
@@ -34,6 +35,7 @@ mod verdict;
 mod windows;
 
 pub use acceptance::{Fall, fall_of};
+pub use as_recorded::AsRecorded;
 pub use candidate::{Candidate, Form};
 pub use candidates::candidates;
 pub use cutoff::cutoff;
@@ -55,7 +57,7 @@ pub use shapes::shapes_placed;
 pub use smoothed::Smoothed;
 pub use speed_filter::{SpeedFilter, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{LONGEST as LONGEST_DELAY, Timing, timing};
+pub use timing::{Timing, timing};
 pub use verdict::{
     Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
     structured, structured_by_blocks, withheld,

@@ -2,21 +2,13 @@
 
 use std::ops::Range;
 
+use super::thresholds::THRESHOLDS;
 use crate::math::{median, quantile};
 use crate::recording::Recording;
 
-/// Rows of rest before a step.
-const REST: usize = 5;
-/// Input that counts as none, and smallest step, as shares of the range of the input.
-const NONE: f64 = 0.02;
-const STEP: f64 = 0.25;
-/// Standard deviations of the noise, and share of the top speed, above which a wheel moves.
-const SURE: f64 = 5.0;
-const MOVES: f64 = 0.02;
-
 /// Upper limit of the dead time \[s\]: the shortest time from the last row without input to the first of two rows in
-/// which a wheel clearly moves in the direction of the input, by its speed or by its angle. Friction and sensors delay the
-/// onset, so the dead time is not longer. `None` without a step from rest.
+/// which a wheel clearly moves in the direction of the input, by its speed or by its angle. Friction and sensors delay
+/// the onset, so the dead time is not longer. `None` without a step from rest.
 pub(super) fn latest_dead_time(recordings: &[&Recording]) -> Option<f64> {
     let all = recordings.iter().flat_map(|r| [0, 1].map(|i| (*r, i)));
     let of = |(r, i): (&Recording, usize)| {
@@ -34,11 +26,11 @@ pub(super) fn latest_dead_time(recordings: &[&Recording]) -> Option<f64> {
 fn onsets(r: &Recording, piece: &Range<usize>, i: usize, by: Motion) -> Vec<f64> {
     let (t, torque) = (r.t(), r.torque());
     let range = range(r, i);
-    let none = |k: usize| torque[k].iter().all(|m| m.abs() <= NONE * range);
-    let rest = |k: usize| k.saturating_sub(REST).max(piece.start)..k;
-    let first = if piece.start == 0 { 1 } else { piece.start + REST };
-    let starts =
-        (first..piece.end).filter(|&k| torque[k][i].abs() > STEP * range && rest(k).all(none));
+    let none = |k: usize| torque[k].iter().all(|m| m.abs() <= THRESHOLDS.no_input * range);
+    let rest = |k: usize| k.saturating_sub(THRESHOLDS.rest_rows).max(piece.start)..k;
+    let first = if piece.start == 0 { 1 } else { piece.start + THRESHOLDS.rest_rows };
+    let starts = (first..piece.end)
+        .filter(|&k| torque[k][i].abs() > THRESHOLDS.least_step * range && rest(k).all(none));
     let limit = by.smallest(r, i);
     let moved = |from: usize, k: usize| Some(by.of(r, i, from, k)).filter(|m| m.abs() > limit);
     let onset = |k: usize| {
@@ -80,15 +72,15 @@ impl Motion {
     fn smallest(self, r: &Recording, i: usize) -> f64 {
         match self {
             Self::Speed => smallest_speed(r, i),
-            Self::Angle => SURE * 2.0_f64.sqrt() * r.motion_noise().alpha[i],
+            Self::Angle => THRESHOLDS.moves_errors * 2.0_f64.sqrt() * r.motion_noise().alpha[i],
         }
     }
 }
 
-/// The rows of a recording without those in which a wheel rests under an input of its own: what is needed to break away is
-/// not the friction of a moving wheel. Parts of a piece; those too short for a window are left to the caller.
+/// The rows of a recording without those in which a wheel rests under an input of its own: what is needed to break away
+/// is not the friction of a moving wheel. Parts of a piece; those too short for a window are left to the caller.
 pub(super) fn in_motion(r: &Recording) -> Vec<Range<usize>> {
-    let limits = [0, 1].map(|i| (NONE * range(r, i), smallest_speed(r, i)));
+    let limits = [0, 1].map(|i| (THRESHOLDS.no_input * range(r, i), smallest_speed(r, i)));
     let speed =
         |k: usize| if r.measured().omega { r.omega()[k] } else { r.local_motion()[k].omega };
     let held = |k: &usize| {
@@ -114,7 +106,7 @@ fn smallest_speed(r: &Recording, i: usize) -> f64 {
         true => r.motion_noise().omega[i],
         false => median(r.local_motion().iter().map(|m| m.omega_variance[i])).sqrt(),
     };
-    (SURE * noise).max(MOVES * r.top_speed())
+    (THRESHOLDS.moves_errors * noise).max(THRESHOLDS.moves_share * r.top_speed())
 }
 
 #[cfg(test)]
@@ -189,7 +181,8 @@ mod tests {
     #[test]
     fn rows_of_a_wheel_that_rests_under_its_input_are_not_in_motion() {
         let plain = stepped(3, true);
-        // the wheels move from row 53 on, clearly after a few more; before row 50 there is no input that they could resist
+        // the wheels move from row 53 on, clearly after a few more; before row 50 there is no input that they could
+        // resist
         let [rest, moving] = &in_motion(&plain)[..] else { panic!("{:?}", in_motion(&plain)) };
         assert_eq!(*rest, 0..50);
         assert!((53..60).contains(&moving.start) && moving.end == 200, "{moving:?}");

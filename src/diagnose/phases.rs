@@ -12,8 +12,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{Hold, PhysicalDynamics};
 
-/// Rows by which phases differ at most.
-const MOST: f64 = 1.0;
 /// Alignments in turn with the fit of the model: the first fit is to recordings that contradict each other.
 const ROUNDS: usize = 3;
 
@@ -71,7 +69,7 @@ pub fn phases(
             (phase.shift_s, moved[k]) = (0.0, recordings[k].clone());
         }
     }
-    let near = phases.iter().all(|phase| phase.shift_s.abs() <= MOST * scale.step);
+    let near = phases.iter().all(|phase| phase.shift_s.abs() <= THRESHOLDS.most_phase * scale.step);
     let now: Vec<&Recording> = moved.iter().collect();
     let all = timed(model, p, 0.0, &now, hold, &scale)?;
     let error = all.error();

@@ -186,8 +186,8 @@ impl<'a> Regression<'a> {
         std::array::from_fn(|j| Real::erf(along(j, &m.omega) / width))
     }
 
-    /// Time over which [`Regression::square_at_shift`] hardly changes \[s\]: an eighth of the period of a square of what the
-    /// low-pass leaves.
+    /// Time over which [`Regression::square_at_shift`] hardly changes \[s\]: an eighth of the period of a square of
+    /// what the low-pass leaves.
     #[must_use]
     pub fn smooth_over(&self) -> f64 {
         1.0 / (16.0 * self.smoothed.cutoff)

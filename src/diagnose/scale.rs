@@ -51,11 +51,11 @@ fn logging(recording: &Recording) -> f64 {
     causes * THRESHOLDS.logging * recording.step()
 }
 
-/// Share of the moving rows in which a wheel runs against its main direction; below a twentieth of the top
-/// `speed` noise gives a wheel at rest both.
+/// Share of the moving rows in which a wheel runs against its main direction; below [`super::Thresholds::backward`]
+/// times the top `speed` noise gives a wheel at rest both.
 fn backward(recordings: &[&Recording], speed: f64) -> f64 {
     let rows = || recordings.iter().flat_map(|r| r.omega().iter().flatten());
-    let ahead = rows().filter(|w| **w > 0.05 * speed).count() as f64;
-    let behind = rows().filter(|w| **w < -0.05 * speed).count() as f64;
+    let ahead = rows().filter(|w| **w > THRESHOLDS.backward * speed).count() as f64;
+    let behind = rows().filter(|w| **w < -THRESHOLDS.backward * speed).count() as f64;
     ahead.min(behind) / (ahead + behind).max(1.0)
 }

@@ -25,7 +25,6 @@ use super::scale::scale_of;
 use super::screen::Screen;
 use super::smoothed::Smoothed;
 use super::thresholds::THRESHOLDS;
-use super::timing::EARLIEST;
 use super::windows::Windows;
 use crate::effects::{Change, Effect, Scale};
 use crate::identify::IdentifyError;
@@ -161,7 +160,7 @@ impl<'a> Search<'a> {
         let judged = if data.validation.is_empty() { data.train } else { data.validation };
         let judge = Judge::new(judged.to_vec(), data.hold);
         let corrected = data.corrected_s;
-        let range = (EARLIEST * scale.step - corrected, scale.logging - corrected);
+        let range = (THRESHOLDS.earliest * scale.step - corrected, scale.logging - corrected);
         let degrees = 0.0;
         let this = Self {
             train: data.train,
@@ -276,23 +275,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         self.level_grids(&mut looked);
-        let mut best: Vec<Ranked> = Vec::new();
-        for mut one in looked {
-            match best.iter_mut().find(|b| b.candidate.id == one.candidate.id) {
-                Some(b) => {
-                    b.shapes.push(one.candidate.clone());
-                    if one.screened < b.screened {
-                        one.shapes = std::mem::take(&mut b.shapes);
-                        *b = one;
-                    }
-                }
-                None => {
-                    one.shapes.push(one.candidate.clone());
-                    best.push(one);
-                }
-            }
-        }
-        best
+        best_shapes(looked)
     }
 
     /// Divides the likelihood ratios of an effect with many orders and several columns by their median:
@@ -307,7 +290,10 @@ impl<'a> Search<'a> {
                 (0..looked.len()).filter(|&n| looked[n].candidate.id == id).collect();
             let first = own.first().map(|&n| &looked[n].candidate);
             let columns = first.map_or(0, Candidate::columns);
-            if !first.is_some_and(Candidate::is_of_orders) || own.len() < MANY || columns < 2 {
+            if !first.is_some_and(Candidate::is_of_orders)
+                || own.len() < THRESHOLDS.many_orders
+                || columns < 2
+            {
                 continue;
             }
             let expected = crate::math::distribution::chi2_quantile(0.5, columns as f64);
@@ -332,6 +318,27 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Every effect once, at the shape with the best criterion, with all of its shapes.
+fn best_shapes(looked: Vec<Ranked>) -> Vec<Ranked> {
+    let mut best: Vec<Ranked> = Vec::new();
+    for mut one in looked {
+        match best.iter_mut().find(|b| b.candidate.id == one.candidate.id) {
+            Some(b) => {
+                b.shapes.push(one.candidate.clone());
+                if one.screened < b.screened {
+                    one.shapes = std::mem::take(&mut b.shapes);
+                    *b = one;
+                }
+            }
+            None => {
+                one.shapes.push(one.candidate.clone());
+                best.push(one);
+            }
+        }
+    }
+    best
+}
+
 fn is_two_mass(r: &Ranked) -> bool {
     r.candidate.effect.change() == Change::TwoMass
 }
@@ -344,6 +351,3 @@ fn held_in_time(present: &WindowFit) -> Model {
     let Ok(j) = present.model.index_of(SYMBOL) else { return present.model.clone() };
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
 }
-
-/// Number of orders of an effect from which on their ratios are divided by the median.
-const MANY: usize = 10;

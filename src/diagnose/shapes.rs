@@ -8,7 +8,6 @@ use super::fit::fit;
 use super::input_timing::InputTiming;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::EARLIEST;
 use super::windows::Windows;
 use crate::effects::{ParameterKind, Scale};
 use crate::identify::{Task, start};
@@ -91,7 +90,7 @@ impl Place<'_> {
     }
 
     fn timed(&self, model: &Model) -> Model {
-        let limits = (EARLIEST * self.scale.step, self.scale.logging);
+        let limits = (THRESHOLDS.earliest * self.scale.step, self.scale.logging);
         if model.shifts_input() {
             return model.clone();
         }

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::as_recorded::{AsRecorded, Rival};
 use super::evidence::{evidence, noiseless, without_noise};
 use super::fit::{WindowFit, fit};
 use super::low_pass::{Computed, LowPass};
-use super::rivals::rivals;
-use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::timing::{LONGEST, Timed, log_likelihood, timed, with_timing};
+use super::timing::{Timed, log_likelihood, timed, with_timing};
 use super::windows::{Errors, Windows};
 use crate::effects::{Change, Effect, Scale};
 use crate::model::Model;
@@ -30,9 +29,9 @@ pub struct SpeedFilter {
     pub or_late: bool,
 }
 
-/// The low-pass filter of the sensor through which the speeds of `recordings` passed, with a model at `p`. `None` if angles
-/// were recorded too (they determine it directly), if the model agrees with the speeds without a filter or with the dead
-/// time alone, or if a late actuator explains them significantly better.
+/// The low-pass filter of the sensor through which the speeds passed. `None` if angles were recorded too (they
+/// determine it directly), if the model agrees with the speeds without a filter or with the dead time alone, or if a
+/// late actuator explains them significantly better.
 ///
 /// ```text
 /// T w_r' = w - w_r          w: speed of the wheel, w_r: as recorded
@@ -46,54 +45,30 @@ pub struct SpeedFilter {
 /// filter of the sensor it appears delayed as well. Friction that is larger at rest makes speeds late too: if an effect
 /// of the catalogue explains the speeds significantly better, the filter must be found again with it in the model.
 #[must_use]
-pub fn speed_filter(
-    model: &Model,
-    p: &[f64],
-    recordings: &[&Recording],
-    hold: Hold,
-) -> Option<SpeedFilter> {
-    if recordings.iter().any(|r| r.measured().alpha) {
+pub fn speed_filter(given: &AsRecorded) -> Option<SpeedFilter> {
+    if given.recordings.iter().any(|r| r.measured().alpha) {
         return None;
     }
-    let scale = scale_of(model, p, recordings);
-    let of = |model: &Model, p: &[f64]| filter_under(model, p, recordings, hold, &scale);
-    let found = of(model, p)?;
-    let Some((model, p)) = found.better_effect(model, p.len(), &scale) else {
-        return Some(found.filter);
-    };
-    of(&model, &p).map(|found| found.filter)
+    let found = filter_under(given)?;
+    let Some(rival) = better_effect(given, &found.left) else { return Some(found.filter) };
+    filter_under(&given.with_model(&rival.model, rival.p())).map(|found| found.filter)
 }
 
-/// A low-pass with what it leaves in every window, beside the fit without it.
-struct Found<'a> {
+/// A low-pass with the squared innovations that it leaves in every window.
+struct Found {
     filter: SpeedFilter,
     left: Vec<f64>,
-    plain: Timed<'a>,
 }
 
-impl Found<'_> {
-    /// The model with the effect of the catalogue that explains the speeds as recorded best, if significantly better
-    /// than the low-pass does, with its parameters; `model` has `count`.
-    fn better_effect(
-        &self,
-        model: &Model,
-        count: usize,
-        scale: &Scale,
-    ) -> Option<(Model, Vec<f64>)> {
-        let windows = &self.plain.windows;
-        let p = &self.plain.fit.p[..count];
-        let left = |(model, p): (Model, Vec<f64>)| {
-            let timed = with_timing(&model, scale)?;
-            let start: Vec<f64> = p.iter().copied().chain([self.plain.time_s()]).collect();
-            let fit = fit(windows, &timed, &start, scale)?;
-            let left = noiseless(windows, &fit)?;
-            let p = fit.p[..p.len()].to_vec();
-            is_better(&left, &self.left).then(|| (left.iter().sum::<f64>(), model, p))
-        };
-        let better = rivals(model, p, scale).into_par_iter().filter_map(left);
-        let best = better.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map(|(_, model, p)| (model, p))
-    }
+/// The effect of the catalogue that explains the speeds as recorded best, if significantly better than a low-pass that
+/// leaves these squared innovations.
+fn better_effect<'b>(given: &'b AsRecorded, left: &[f64]) -> Option<&'b Rival> {
+    let windows = &given.fit()?.windows;
+    let better = given.rivals().par_iter().filter_map(|rival| {
+        let with_effect = noiseless(windows, &rival.fit)?;
+        is_better(&with_effect, left).then(|| (with_effect.iter().sum::<f64>(), rival))
+    });
+    better.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, rival)| rival)
 }
 
 /// Whether squared innovations in every window are significantly smaller than others.
@@ -102,22 +77,16 @@ fn is_better(one: &[f64], other: &[f64]) -> bool {
     sum(one) < sum(other) && evidence(one, other) > THRESHOLDS.uncertain.powi(2)
 }
 
-/// The low-pass with the model near `p`, whatever else it lacks.
-fn filter_under<'a>(
-    model: &Model,
-    p: &[f64],
-    recordings: &[&'a Recording],
-    hold: Hold,
-    scale: &Scale,
-) -> Option<Found<'a>> {
-    let plain = timed(model, p, 0.0, recordings, hold, scale)?;
+/// The low-pass with the model given, whatever else it lacks.
+fn filter_under(given: &AsRecorded) -> Option<Found> {
+    let AsRecorded { model, recordings, hold, scale, .. } = given;
+    let (plain, start) = given.fit().zip(given.fitted())?;
     // at the noise floor there is no more to explain; above it the inertia may have absorbed the delay
     let is_late = plain.is_late(scale.logging);
     if plain.fit.is_short() || !is_late && plain.error() <= THRESHOLDS.above_floor {
         return None;
     }
-    let start = &plain.fit.p[..p.len()];
-    let search = Search { plain: &plain, model, p: start, recordings, hold, scale };
+    let search = Search { plain, model, p: start, recordings, hold: *hold, scale };
     let filter = search.best()?;
     let left = search.left(filter.low_pass, Noise::Removed)?;
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
@@ -139,7 +108,7 @@ fn filter_under<'a>(
     let least = !late.iter().any(|late| is_better(late, &left));
     let or_late = !late.iter().all(|late| beyond_chance(late, THRESHOLDS.alike));
     let filter = SpeedFilter { or_late, ..filter };
-    least.then_some(Found { filter, left, plain })
+    least.then_some(Found { filter, left })
 }
 
 /// Contribution of noise of the recorded input to squared innovations.
@@ -193,7 +162,7 @@ impl Search<'_, '_> {
     /// score says nothing.
     fn least(&self, score: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
         let first = THRESHOLDS.logging * self.scale.step;
-        let count = ((LONGEST / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
+        let count = ((THRESHOLDS.longest_delay_s / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;
         let times: Vec<f64> = (0..=count).map(|k| first * RATIO.powi(k)).collect();
         let scores: Vec<f64> = times.iter().map(|&t| score(t)).collect();
         let inside = (1..scores.len() - 1)

@@ -235,7 +235,7 @@ fn both_folds_have_windows_where_the_logger_paused_for_more_than_a_third_of_the_
 }
 
 #[test]
-fn a_lag_is_told_from_a_delay_of_its_length_where_the_input_is_noisy() {
+fn a_lag_is_distinguished_from_a_delay_of_its_length_where_the_input_is_noisy() {
     // the noise of the input is a tenth of what it moves; a lag of a row halves it
     let noise = NoiseLevel { torque: 0.015, ..NOISE };
     let named = ["actuator_delay", "actuator_lag"].map(String::from).to_vec();

@@ -23,10 +23,6 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Hold};
 
-/// Range of the search, in rows.
-pub(super) const EARLIEST: f64 = -1.5;
-/// Longest delay that is searched \[s\], that of slow motor controllers on a bus.
-pub const LONGEST: f64 = 0.15;
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
 
@@ -80,10 +76,11 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let scale = scale_of(model, p, recordings);
     let smoothed = Smoothed::new(recordings, scale.bandwidth);
     let regression = Regression::new(model, p, &smoothed, scale.speed)?;
-    let coarse = lowest_of_balance(&regression, step, (EARLIEST, LONGEST))?;
+    let coarse =
+        lowest_of_balance(&regression, step, (THRESHOLDS.earliest, THRESHOLDS.longest_delay_s))?;
     let balanced = LazyCell::new(|| by_balance(&regression, step, &coarse));
-    // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum; within half
-    // a row of zero the fine search stays within a row of it
+    // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum; within
+    // half a row of zero the fine search stays within a row of it
     let far = (coarse.shift.abs() > 0.5 * step).then(|| *balanced).flatten();
     let balanced_start = far.map(|(shift, _)| shift).filter(|shift| shift.abs() > step);
     let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
@@ -106,13 +103,14 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let something_else =
         shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let kept = late || nothing || something_else;
-    let correction_s = if kept { 0.0 } else { dead_time_s.clamp(EARLIEST * step, scale.logging) };
+    let correction_s =
+        if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
     Some(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
 }
 
-/// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a smoothed
-/// speed, so that the time is that of an instant anywhere in its row.
+/// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a
+/// smoothed speed, so that the time is that of an instant anywhere in its row.
 fn of_input((shift, std_error): (f64, f64), step: f64, hold: Hold) -> (f64, f64) {
     let held = if hold == Hold::Constant { 0.5 * step } else { 0.0 };
     (shift - held, std_error.hypot(step / 12.0_f64.sqrt()))
@@ -298,7 +296,10 @@ fn timed_over<'a>(
 
 /// The model with a time of its input over the whole range.
 pub(super) fn with_timing(model: &Model, scale: &Scale) -> Option<Model> {
-    let limits = (EARLIEST * scale.step, LONGEST.max(-EARLIEST * scale.step));
+    let limits = (
+        THRESHOLDS.earliest * scale.step,
+        THRESHOLDS.longest_delay_s.max(-THRESHOLDS.earliest * scale.step),
+    );
     model.add_effect(Arc::new(InputTiming { limits })).ok()
 }
 

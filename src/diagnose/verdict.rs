@@ -106,8 +106,8 @@ impl Errors {
         !small
     }
 
-    /// Whether the last model is above all that the input may have done between its rows and that the uncertainty of the
-    /// parameters may add. An error that is not a number is.
+    /// Whether the last model is above all that the input may have done between its rows and that the uncertainty of
+    /// the parameters may add. An error that is not a number is.
     #[must_use]
     pub fn above_all(&self) -> bool {
         !((self.after / (self.most + self.uncertain)).sqrt() <= THRESHOLDS.at_floor)
@@ -133,8 +133,8 @@ impl Errors {
     }
 }
 
-/// Squared error above the square of the noise floor; `None` where the error is within 2 % of the floor: there is nothing to
-/// explain.
+/// Squared error above the square of the noise floor; `None` where the error is within 2 % of the floor: there is
+/// nothing to explain.
 #[must_use]
 pub fn explainable(square: f64, floor: f64) -> Option<f64> {
     let above = square - floor;
@@ -186,9 +186,9 @@ pub fn likely<'a>(diagnosis: &'a Diagnosis, errors: &Errors) -> Option<&'a Ranke
     (lowers && strong && errors.ratio() > THRESHOLDS.likely_above_floor).then_some(best)
 }
 
-/// The candidate that comes first after the last accepted step and lowers the held-out error significantly at
-/// `rate`, but is not accepted, although no other effect is likely: its size is within its uncertainty, it does not act in
-/// the held-out recordings, or, of a second body, the input between its rows could do as much.
+/// The candidate that comes first after the last accepted step and lowers the held-out error significantly at `rate`,
+/// but is not accepted, although no other effect is likely: its size is within its uncertainty, it does not act in the
+/// held-out recordings, or, of a second body, the input between its rows could do as much.
 #[must_use]
 pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
     let best = diagnosis.rest.first()?;
@@ -236,8 +236,8 @@ pub fn is_refuted(candidate: &Ranked, raises: bool) -> bool {
 /// ```text
 /// P_j = exp(-BIC_j/2) / (1 + Σ exp(-BIC_k/2))
 /// ```
-/// `refuted`: those that simulation [refutes](is_refuted). They are not more probable than none, whatever the torque balance
-/// indicates.
+/// `refuted`: those that simulation [refutes](is_refuted). They are not more probable than none, whatever the torque
+/// balance indicates.
 ///
 /// Source: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995).
 #[must_use]

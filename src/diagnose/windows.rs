@@ -19,8 +19,9 @@ pub(super) use self::errors::Errors;
 use self::linear::Linear;
 use self::sums::{Accumulator, TINY};
 pub(super) use self::sums::{Sums, quadratic_of};
-use self::window::{See, WINDOW, Window, cut};
+use self::window::{See, Window, cut};
 use super::input_timing::input_derivatives;
+use super::thresholds::THRESHOLDS;
 use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
@@ -29,11 +30,6 @@ use crate::model::{Model, inverse_mass};
 use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
-
-/// Largest growth of the variance of a speed over a window, in variances of the sensor: the noise of the
-/// input is an estimate, and a recording with a large estimate must not lose its weight if the error of the
-/// model is larger than both.
-const MOST_GROWTH: f64 = 8.0;
 
 /// Recordings cut into windows.
 #[derive(Clone)]
@@ -85,7 +81,7 @@ impl<'a> Windows<'a> {
                 let rounding = 1e-6 * r.top_speed();
                 let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
                 let input = noise.map(|s| (s * mobility).powi(2) * r.step());
-                let most = |i: usize| MOST_GROWTH * speed[i] / WINDOW;
+                let most = |i: usize| THRESHOLDS.most_growth * speed[i] / THRESHOLDS.window_s;
                 (speed, [0, 1].map(|i| input[i].min(most(i))))
             })
             .unzip();

@@ -35,8 +35,8 @@ impl Physics for TorqueSaturation {
         quantiles.into_iter().map(|share| vec![scale.torque_quantile(share)]).collect()
     }
 
-    /// From the median of the torques: below it a limit replaces most of the input by a constant of either sign, which, with
-    /// all parameters in proportion to it, is no more than an input without its noise.
+    /// From the median of the torques: below it a limit replaces most of the input by a constant of either sign, which,
+    /// with all parameters in proportion to it, is no more than an input without its noise.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         vec![(scale.torque_quantile(0.5).max(1e-6), 1e6)]
     }

@@ -17,8 +17,8 @@ const MOST_OFF: f64 = 0.5;
 /// ```
 /// I and a3 are those of construction. epd is zero where these have the right ratio; a centre of mass that is known to
 /// a few tenths alone moves it away. Where no construction is known I is a1 and a3 is a3, both as estimated without the
-/// effect ([`Robot::estimated`]): eps is then less than the difference of radius by the wheels' share of a1, Iz1/a1, and
-/// eps + epd is not.
+/// effect ([`Robot::estimated`]): eps is then less than the difference of radius by the wheels' share of a1, Iz1/a1,
+/// and eps + epd is not.
 ///
 /// Derived here. The body moves as if wheels of radius r turned at q1 = (1 + eps) w1 and
 /// q2 = (1 - eps) w2, since v_A = (r1 w1 + r2 w2)/2 and β_dot = (r1 w1 - r2 w2)/(2 l1). Its

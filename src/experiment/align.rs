@@ -4,8 +4,8 @@
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
-    Accounts, Computed, Judge, LONGEST_DELAY, LowPass, SpeedFilter, StartAngle, Timing, held_input,
-    more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
+    Accounts, AsRecorded, Computed, Judge, LowPass, SpeedFilter, StartAngle, THRESHOLDS, Timing,
+    held_input, more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
     with_later_input,
 };
 use crate::effects::Cycle;
@@ -58,30 +58,18 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let own = plan.model.shifts_input();
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
-    let moved = match own {
-        true => None,
-        false => {
-            let train = train_with_noise(plan, share);
-            let recordings: Vec<&Recording> = train.iter().collect();
-            as_logged(plan, &start, &recordings, asked.settings)
-                .or_else(|| unfiltered(plan, &start, &recordings, asked.settings.speeds))
+    if !own {
+        if let Some(moved) = by_other_account(plan, &start, share, asked.settings) {
+            start = moved;
+            share = share_of_noise(plan, &start);
         }
-    };
-    if let Some(moved) = moved {
-        start = moved;
-        share = share_of_noise(plan, &start);
-    }
-    if !own
-        && asked.hold.is_none()
-        && let Some(fitted) = fitted_to_held(plan, &start, share)
-    {
-        let held =
-            |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
-        plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
-        plan.hold = Hold::Constant;
-        start = fitted;
-        // the share of noise that was assumed for linear interpolation
-        share = share_of_noise(plan, &start);
+        if asked.hold.is_none()
+            && let Some(fitted) = held_between_rows(plan, &start, share)
+        {
+            start = fitted;
+            // the share of noise that was assumed for linear interpolation
+            share = share_of_noise(plan, &start);
+        }
     }
     if plan.hold == Hold::Constant {
         over_lost_rows(plan, asked.settings.rows);
@@ -89,28 +77,64 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     if asked.settings.rows {
         in_phase(plan, &start, share);
     }
-    let train = plan.of(Role::Train);
-    let recordings: Vec<&Recording> = train.iter().collect();
     if !own {
-        let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
-        let given = (plan.model.clone(), start.clone());
-        let (model, p) = frictionless_start(&task, LONGEST_DELAY).unwrap_or(given);
-        let excited = excited_start(&Task { model: &model, ..task });
-        let (model, p) = excited.unwrap_or((model, p));
-        plan.timing = timing(&model, &p, &recordings, plan.hold);
+        plan.timing = time_of_input(plan, &start);
     }
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
-    if let Some(timing) = plan.timing {
-        for MeasuredRecording { recording, .. } in &mut plan.recordings {
-            recording.set_input_time_error(time_error(&timing, recording.step()));
-            if timing.correction_s != 0.0 {
-                *recording = with_later_input(recording, timing.correction_s, plan.hold);
-            }
-        }
-    }
+    apply_timing(plan);
     if asked.settings.starts {
         start_alike(plan);
+    }
+}
+
+/// Corrects what the logger did to the speeds and to the input between the rows. Returns the parameters for the changed
+/// recordings, or `None` if they are unchanged.
+fn by_other_account(
+    plan: &mut Plan,
+    start: &[f64],
+    share: f64,
+    settings: Settings,
+) -> Option<Vec<f64>> {
+    let train = train_with_noise(plan, share);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let given = AsRecorded::new(&plan.model, start, &recordings, plan.hold);
+    as_logged(plan, &given, settings).or_else(|| unfiltered(plan, &given, start, settings.speeds))
+}
+
+/// Holds the input until the next row if the motion indicates this, and reports it. Returns the parameters for such an
+/// input.
+fn held_between_rows(plan: &mut Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
+    let fitted = fitted_to_held(plan, start, share)?;
+    let held =
+        |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
+    plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
+    plan.hold = Hold::Constant;
+    Some(fitted)
+}
+
+/// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
+/// does not excite, is replaced by one that follows it.
+fn time_of_input(plan: &Plan, start: &[f64]) -> Option<Timing> {
+    let train = plan.of(Role::Train);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    let given = (plan.model.clone(), start.to_vec());
+    let (model, p) = frictionless_start(&task, THRESHOLDS.longest_delay_s).unwrap_or(given);
+    let excited = excited_start(&Task { model: &model, ..task });
+    let (model, p) = excited.unwrap_or((model, p));
+    timing(&model, &p, &recordings, plan.hold)
+}
+
+/// Shifts the inputs by the part of their time that logging explains; the uncertainty of this time is part of the
+/// noise.
+fn apply_timing(plan: &mut Plan) {
+    let Some(timing) = plan.timing else { return };
+    for MeasuredRecording { recording, .. } in &mut plan.recordings {
+        recording.set_input_time_error(time_error(&timing, recording.step()));
+        if timing.correction_s != 0.0 {
+            *recording = with_later_input(recording, timing.correction_s, plan.hold);
+        }
     }
 }
 
@@ -129,8 +153,8 @@ fn over_lost_rows(plan: &mut Plan, correct: bool) {
     }
 }
 
-/// Standard error of the time of an input \[s\] from its measurement and from logging, by which it is anywhere in its row of
-/// `step` seconds.
+/// Standard error of the time of an input \[s\] from its measurement and from logging, by which it is anywhere in its
+/// row of `step` seconds.
 ///
 /// ```text
 /// 1/s² = 1/se² + 12/h²
@@ -139,8 +163,8 @@ fn time_error(timing: &Timing, step: f64) -> f64 {
     (timing.std_error_s.powi(-2) + 12.0 / (step * step)).sqrt().recip()
 }
 
-/// Ratio of the error that noise of the input would cause to the observed error above which the latter refutes it: the noise
-/// is known to a third, and the observed error contains that of the model too.
+/// Ratio of the error that noise of the input would cause to the observed error above which the latter refutes it: the
+/// noise is known to a third, and the observed error contains that of the model too.
 const REFUTED: f64 = 2.0;
 
 /// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this, unless the model at
@@ -222,16 +246,11 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
 
 /// Simulates with the most likely account of what the logger did ([`more_likely_logging`]), and reports it. Returns the
 /// parameters under this account, or `None` if there is no other.
-fn as_logged(
-    plan: &mut Plan,
-    start: &[f64],
-    train: &[&Recording],
-    settings: Settings,
-) -> Option<Vec<f64>> {
+fn as_logged(plan: &mut Plan, given: &AsRecorded, settings: Settings) -> Option<Vec<f64>> {
     // without a diagnosis the model need not be complete, and the file's `hold` stands
     let steps = settings.rows && plan.diagnosis.is_some();
     let allowed = Accounts { averages: settings.speeds, steps };
-    let found = more_likely_logging(&plan.model, start, train, plan.hold, allowed)?;
+    let found = more_likely_logging(given, allowed)?;
     if found.hold != plan.hold {
         let between =
             |i| Finding::corrected(Channel::Input(i), Kind::StepsBetweenRows, "rows", true);
@@ -248,11 +267,11 @@ fn as_logged(
 /// Returns the parameters for the changed recordings, or `None` if they are unchanged.
 fn unfiltered(
     plan: &mut Plan,
+    given: &AsRecorded,
     start: &[f64],
-    train: &[&Recording],
     correct: bool,
 ) -> Option<Vec<f64>> {
-    let filter = speed_filter(&plan.model, start, train, plan.hold)?;
+    let filter = speed_filter(given)?;
     filtered_by(plan, filter, correct);
     correct.then(|| balanced(plan).unwrap_or_else(|| start.to_vec()))
 }

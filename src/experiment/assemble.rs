@@ -217,7 +217,8 @@ fn short_windows(recordings: &[MeasuredRecording]) -> Option<Remark> {
     (longest_s < WINDOW).then_some(Remark::ShortWindows { longest_s })
 }
 
-/// The remark on the proportions of a robot that stands in for an unknown one, where the recordings do not determine those.
+/// The remark on the proportions of a robot that stands in for an unknown one, where the recordings do not determine
+/// those.
 fn proportions(model: &Model, recordings: &[MeasuredRecording]) -> Option<Remark> {
     let robot = model.robot().assumed.clone()?;
     let train = recordings.iter().filter(|m| m.role == Role::Train);

@@ -99,8 +99,9 @@ pub(super) fn diagnose_with_progress(
     Ok(Diagnosed { comparison, settled: Some(settled), timing })
 }
 
-/// The time of the input by the model with the effects found: a missing effect may look like a shift in time. `None` without
-/// effects, where one of them is a shift itself, and where the data do not determine it within what logging explains.
+/// The time of the input by the model with the effects found: a missing effect may look like a shift in time. `None`
+/// without effects, where one of them is a shift itself, and where the data do not determine it within what logging
+/// explains.
 fn timing_with_found(plan: &Plan, diagnosis: &Diagnosis) -> Option<Timing> {
     let given = plan.timing?;
     let shifts = |id: &String| effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
@@ -115,8 +116,8 @@ fn timing_with_found(plan: &Plan, diagnosis: &Diagnosis) -> Option<Timing> {
     is_known.then_some(Timing { dead_time_s, std_error_s, ..given })
 }
 
-/// The method whose fit of the model as given comes closest to the noise floor of held-out recordings, if it is at the floor
-/// although the fit of the diagnosis, which misses no effect, is not.
+/// The method whose fit of the model as given comes closest to the noise floor of held-out recordings, if it is at the
+/// floor although the fit of the diagnosis, which misses no effect, is not.
 fn method_at_floor(
     plan: &Plan,
     comparison: &Comparison,

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_change_of_the_error_is_said_with_its_sense() {
+    fn the_change_of_the_error_is_stated_with_its_sense() {
         assert_eq!(change("slope", 0.6, 0.0534), "91.1 % less");
         assert!(change("slope", 0.0543, 0.0571).starts_with("5.2 % more: slope does not improve"));
         assert!(change("slope", 0.0543, 0.0542).starts_with("unchanged: "));

@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn wheels_at_rest_are_said_to_be_at_rest() {
+    fn wheels_at_rest_are_reported_as_at_rest() {
         let noise = |t: f64, by: f64| 0.02 * (1e4 * (t + by) * (t + 2.0 * by)).sin();
         let row = |t: f64| {
             format!("{t},{},{},{},{}", noise(t, 1.0), noise(t, 2.0), 0.5 + 0.1 * t.sin(), 0.5)

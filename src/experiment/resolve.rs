@@ -74,9 +74,9 @@ pub(super) fn resolve_with(
     plan(path, text, file, read).map_err(|e| e.of(&path.display().to_string()))
 }
 
-/// The experiment described by a file with these `keys`, on recordings that are already read.
-/// `name` replaces that of the file; `[recordings]` and `[simulation]` are not allowed among the keys. `hold` is the input
-/// between the rows; `None` determines it from the data, like a file without `recordings.hold`.
+/// The experiment described by a file with these `keys`, on recordings that are already read. `name` replaces that of
+/// the file; `[recordings]` and `[simulation]` are not allowed among the keys. `hold` is the input between the rows;
+/// `None` determines it from the data, like a file without `recordings.hold`.
 ///
 /// # Errors
 /// Errors in the keys.

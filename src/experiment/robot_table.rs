@@ -57,7 +57,8 @@ fn built(table: &Table) -> Result<Robot, Meaning> {
     Ok(Robot::new(name, construction)?)
 }
 
-/// Checks that the construction data of a table are known keys with numbers, and complete unless a preset gives the others.
+/// Checks that the construction data of a table are known keys with numbers, and complete unless a preset gives the
+/// others.
 fn check_keys(rest: &Table, has_preset: bool) -> Result<(), Meaning> {
     let known: Vec<&str> = Construction::amigobot().values().map(|(key, _)| key).collect();
     if let Some(unknown) = rest.keys().find(|k| !known.contains(&k.as_str())) {

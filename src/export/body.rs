@@ -10,8 +10,8 @@ use crate::robot::Robot;
 /// m_ij    J_A = 4 l1²/r² (r² M/4 - m12),   wheel i: inertia m_ii + m12 - r² M/2 about its axle
 /// a3      M d = 4 l1² a3/r³,               d: centre of mass behind the axle
 /// ```
-/// Source: eq. (15) of the paper, solved for the body. The mass M is not identifiable from wheel recordings: it is that of
-/// the construction data, limited by the identified inertias.
+/// Source: eq. (15) of the paper, solved for the body. The mass M is not identifiable from wheel recordings: it is that
+/// of the construction data, limited by the identified inertias.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Body {
     /// Newton metres per unit of the input: 1 for torques.

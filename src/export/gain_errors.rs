@@ -6,8 +6,8 @@ use super::gains::{Feedforward, Gains, Operation};
 use crate::model::Model;
 use crate::recording::DriveUnit;
 
-/// Standard errors of the gains of driving straight and of turning; infinite where a gain depends on a parameter that is
-/// not identifiable.
+/// Standard errors of the gains of driving straight and of turning; infinite where a gain depends on a parameter that
+/// is not identifiable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GainErrors {
     /// Of driving straight, per m/s.
@@ -67,7 +67,8 @@ impl GainErrors {
         }
     }
 
-    /// Whether the recordings show the inertia of driving straight, and that of turning: its 95 % interval excludes zero.
+    /// Whether the recordings show the inertia of driving straight, and that of turning: its 95 % interval excludes
+    /// zero.
     #[must_use]
     pub fn shows_inertia(&self, gains: &Gains) -> [bool; 2] {
         let shows = |value: f64, error: f64| value > CONFIDENT * error;

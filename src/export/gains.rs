@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curved_friction_is_a_line_with_its_error_said() {
+    fn a_curved_friction_is_a_line_with_its_error_stated() {
         let (model, p) = robot(&["quadratic_drag"]);
         let gains = Gains::of(&model, &p, &OPERATION);
         let drag = p[model.index_of("c").unwrap()];

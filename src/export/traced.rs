@@ -78,7 +78,8 @@ pub fn trace(model: &Model, p: &[f64]) -> Result<Traced, Vec<Obstacle>> {
     let every: Vec<usize> = (0..model.effects().len()).collect();
     let memory = |kind: Memory| every.iter().copied().find(|&e| memory(model, e, p) == Some(kind));
     let (lag, delay) = (memory(Memory::Lag), memory(Memory::Delay));
-    // a delay commutes with a lag and with what changes the input at one instant, so that only the place of the lag counts
+    // a delay commutes with a lag and with what changes the input at one instant, so that only the place of the lag
+    // counts
     let place = lag.or(delay).unwrap_or(every.len());
     let others = |e: &usize| Some(*e) != lag && Some(*e) != delay;
     let (before, behind): (Vec<usize>, Vec<usize>) =
@@ -320,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_and_a_delay_are_known_by_what_they_do() {
+    fn a_lag_and_a_delay_are_recognised_by_what_they_do() {
         let robot = Robot::amigobot();
         let ids = ["torque_saturation", "actuator_lag", "actuator_delay"];
         let model = Model::with_effects(robot.clone(), &ids).unwrap();

@@ -25,7 +25,8 @@ pub struct ScoreSums {
     width: usize,
     /// Gathered rows: derivatives, of long rows over the standard deviation of the innovation.
     rows: Vec<f64>,
-    /// Of short rows the factors by which they are multiplied, of long ones the innovations over their standard deviations.
+    /// Of short rows the factors by which they are multiplied, of long ones the innovations over their standard
+    /// deviations.
     beside: Vec<f64>,
     /// Products of short rows: of number c of a row with those before it and itself, from place `c width` on.
     sums: Vec<f64>,
@@ -51,8 +52,8 @@ impl ScoreSums {
         Self::in_groups(columns, columns, columns)
     }
 
-    /// Nothing yet, for the information of the `first` columns with all others, and of the others within groups of `size`
-    /// with each other. Products of columns of different groups may be left at zero.
+    /// Nothing yet, for the information of the `first` columns with all others, and of the others within groups of
+    /// `size` with each other. Products of columns of different groups may be left at zero.
     #[must_use]
     pub fn in_groups(columns: usize, first: usize, size: usize) -> Self {
         let short = columns <= SHORT;
@@ -84,8 +85,8 @@ impl ScoreSums {
         }
     }
 
-    /// Adds one innovation `e`, whose derivatives are `psi`, padded with zeros, and whose weight is one over its standard
-    /// deviation.
+    /// Adds one innovation `e`, whose derivatives are `psi`, padded with zeros, and whose weight is one over its
+    /// standard deviation.
     #[inline]
     pub fn add_row(&mut self, psi: &[f64], weight: f64, e: f64) {
         if self.columns == 0 {

@@ -76,8 +76,8 @@ impl<'a> Exact<'a> {
         Ok(gain)
     }
 
-    /// The input matrix where torques that depend on the speeds change them within the row: a torque early in the row has
-    /// decayed at its end.
+    /// The input matrix where torques that depend on the speeds change them within the row: a torque early in the row
+    /// has decayed at its end.
     ///
     /// ```text
     /// G_ω = L h A⁻¹,  G_α = (1 + 2 L)/3 h²/2 A⁻¹,   L = mean of Φ_ω over the row ≈ (2 √Φ_ω + (1 + Φ_ω)/2)/3

@@ -52,9 +52,9 @@ pub(crate) struct Piece {
 /// input causes an error equal to the assumed measurement error. T = 0 is maximum likelihood.
 /// The noise levels are not estimated, so they cannot absorb missing effects.
 ///
-/// The unknown input between its rows is noise of each row; a held input is known there. With `alike` and a horizon its mean
-/// over all rows of all recordings is used in every row, in s_M: if the model is known to be incomplete, rows with a
-/// changing input (starts, reversals) must not have a lower weight.
+/// The unknown input between its rows is noise of each row; a held input is known there. With `alike` and a horizon its
+/// mean over all rows of all recordings is used in every row, in s_M: if the model is known to be incomplete, rows with
+/// a changing input (starts, reversals) must not have a lower weight.
 pub(crate) struct HorizonFilter<'a> {
     pub(crate) prepared: &'a [Prepared<'a>],
     /// The input between rows.

@@ -288,8 +288,8 @@ impl Ascent<'_> {
         Ok(Slope { value, free, step, promised })
     }
 
-    /// Parameters after a share of the step. A shape outside its range has no meaning; linear parameters may cross zero,
-    /// so that estimates of an absent effect scatter around it.
+    /// Parameters after a share of the step. A shape outside its range has no meaning; linear parameters may cross
+    /// zero, so that estimates of an absent effect scatter around it.
     fn moved(&self, share: f64) -> Vec<f64> {
         let mut trial = self.p.clone();
         for (s, &j) in self.slope.step.iter().zip(&self.slope.free) {

@@ -25,8 +25,8 @@ const JUMP: (f64, f64) = (3.0, 5.0);
 pub trait Columns: Sync {
     /// How many.
     fn count(&self) -> usize;
-    /// How many successive ones are tested together; the information of columns of different groups about each other may
-    /// be left at zero.
+    /// How many successive ones are tested together; the information of columns of different groups about each other
+    /// may be left at zero.
     fn together(&self) -> usize {
         self.count()
     }

@@ -1,5 +1,5 @@
-//! The transition matrix of the rigid robot in blocks of two by two, so that products skip the zero blocks. Without slow
-//! torques there are four states, of angles and speeds.
+//! The transition matrix of the rigid robot in blocks of two by two, so that products skip the zero blocks. Without
+//! slow torques there are four states, of angles and speeds.
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 

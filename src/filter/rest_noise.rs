@@ -13,8 +13,8 @@ const COUNT: usize = 16;
 const SHORTEST: usize = 10;
 /// Median of the square of a standard normal variable.
 const MEDIAN_SQUARE: f64 = 0.454_936;
-/// Relative variance of the variance that the median of n squares gives, times n: 1/(4 f(m)² m²) with the density f of the
-/// square at its median m.
+/// Relative variance of the variance that the median of n squares gives, times n: 1/(4 f(m)² m²) with the density f of
+/// the square at its median m.
 const SPREAD: f64 = 5.44;
 /// Correlation times that the rests must last together: the standard deviation is then known to about a third
 /// (the variance of n seconds of such noise has a relative error of √(2τ/n)).
@@ -67,8 +67,8 @@ fn ratios(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (0..COUNT).map(move |n| low * (high / low).powf(n as f64 / (COUNT - 1) as f64))
 }
 
-/// The noise of runs of values `step` \[s\] apart that is larger than their white noise, and how much better it explains
-/// them [nats].
+/// The noise of runs of values `step` \[s\] apart that is larger than their white noise, and how much better it
+/// explains them [nats].
 fn slow_noise(runs: &[Vec<f64>], step: f64) -> Option<(SlowNoise, f64)> {
     let longest = runs.iter().map(Vec::len).max()?;
     let mut lags: Vec<usize> =

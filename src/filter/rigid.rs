@@ -12,8 +12,8 @@ use super::step::{Body, Braked, Step, has_slow};
 use crate::effects::{BASE, Motion};
 use crate::model::{Linearisation, Model, ModelError, inverse_mass};
 
-/// Parts of a step for each time constant of torques that depend on the speeds: the error of the implicit step over a part
-/// is a share of (1/4)³/12 of the change of the speed.
+/// Parts of a step for each time constant of torques that depend on the speeds: the error of the implicit step over a
+/// part is a share of (1/4)³/12 of the change of the speed.
 const PARTS: f64 = 4.0;
 /// Most parts of a step: of four time constants, after which 2 % of a speed are left.
 const MOST_PARTS: f64 = 16.0;
@@ -252,8 +252,8 @@ mod tests {
         let pass = filter_pass(&model, &p, &prepare(&recording), &settings, &NoColumns).unwrap();
         let e: Vec<f64> = pass.innovations.iter().map(|i| i.value.powi(2)).collect();
         let rms = (e.iter().sum::<f64>() / e.len() as f64).sqrt();
-        // noise of 0.05 rms; a single implicit step misses by 0.8 rad/s. Parts of a quarter of a time constant are off by
-        // 0.1 % of steps of 30 rad/s
+        // noise of 0.05 rms; a single implicit step misses by 0.8 rad/s. Parts of a quarter of a time constant are off
+        // by 0.1 % of steps of 30 rad/s
         assert!(rms < 0.07, "{rms}");
         // the true parameters are a root of the score, to a few standard deviations
         let z = pass.score[0] / pass.information[(0, 0)].sqrt();

@@ -100,7 +100,8 @@ mod tests {
 
     const J: f64 = 0.03;
 
-    /// Wheels of inertia J alone under cos(2 π t/period), at a step \[s\], with an input whose noise is that of every row.
+    /// Wheels of inertia J alone under cos(2 π t/period), at a step \[s\], with an input whose noise is that of every
+    /// row.
     fn recording(period: f64, step: f64, noise: f64) -> Recording {
         let rate = std::f64::consts::TAU / period;
         let t: Vec<f64> = (0..2000).map(|k| step * f64::from(k)).collect();
@@ -120,7 +121,8 @@ mod tests {
 
     #[test]
     fn the_share_is_that_of_the_closed_form() {
-        // over two rows: h (M1 - (M0 + M2)/2) = h cos(rate t) (1 - cos(rate h)), J Δw = (2/rate) sin(rate h) cos(rate t)
+        // over two rows: h (M1 - (M0 + M2)/2) = h cos(rate t) (1 - cos(rate h)), J Δw = (2/rate) sin(rate h) cos(rate
+        // t)
         let (period, step) = (1.0, 0.1);
         let phase = std::f64::consts::TAU * step / period;
         let closed = 0.5 * phase * (1.0 - phase.cos()) / phase.sin();

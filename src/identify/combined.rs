@@ -1,5 +1,5 @@
-//! All columns of the torque balance of both wheels as linear combinations of a few quantities of the motion, four side by
-//! side: for models whose torques are polynomials of the speeds.
+//! All columns of the torque balance of both wheels as linear combinations of a few quantities of the motion, four side
+//! by side: for models whose torques are polynomials of the speeds.
 
 use wide::f64x4;
 

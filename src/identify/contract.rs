@@ -54,7 +54,7 @@ fn allowed(name: &str, symbol: &str) -> f64 {
 }
 
 #[test]
-fn a_known_truth_is_recovered_from_data_without_noise() {
+fn true_parameters_are_recovered_from_data_without_noise() {
     let model = Model::base(Robot::amigobot());
     let train = rich(&model, NONE, 1, 2);
     for method in methods() {

@@ -5,8 +5,8 @@ use crate::effects::Energy;
 use crate::model::Model;
 
 impl Fit {
-    /// The same with a note on friction parameters of `model` whose whole interval is negative: such an effect would not
-    /// dissipate energy, so something else is wrong.
+    /// The same with a note on friction parameters of `model` whose whole interval is negative: such an effect would
+    /// not dissipate energy, so something else is wrong.
     pub(super) fn driving_frictions(mut self, model: &Model) -> Self {
         let dissipates = |id: &str| {
             model.effects().iter().any(|e| e.id() == id && e.energy() == Energy::Dissipates)
@@ -35,7 +35,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     #[test]
-    fn a_friction_below_zero_is_said_where_its_interval_is_below_zero_too() {
+    fn a_friction_below_zero_is_reported_where_its_interval_is_below_zero_too() {
         let model = Model::base(Robot::amigobot());
         let of = |a4: f64| {
             let p = vec![0.03, -0.002, -1e-3, a4, 0.1];

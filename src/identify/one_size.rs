@@ -9,22 +9,22 @@ use crate::recording::{DriveUnit, Recording};
 
 /// Wheels slower than this share of the top speed count as at rest, as in the regressions.
 const REST: f64 = 0.025;
-/// Correlation of the input with the acceleration above which it follows it (judgement: a tenth of the variance). A battery
-/// that sags under the current has a negative one.
+/// Correlation of the input with the acceleration above which it follows it (judgement: a tenth of the variance). A
+/// battery that sags under the current has a negative one.
 const FOLLOWS: f64 = 0.3;
 /// Variation of an input, relative to its size, below which it has one size, and distance of a friction from that size
 /// below which it explains the input alone (judgement: a tenth is more than the sag of a battery).
 const ONE: f64 = 0.1;
 
-/// The size of the input of each wheel while it turns, if it has only one: the mean of M sgn(ω) over rows in which
-/// the wheel moves, where the values vary by less than a tenth (rms) about it, and not with the acceleration. `input` gives
+/// The size of the input of each wheel while it turns, if it has only one: the mean of M sgn(ω) over rows in which the
+/// wheel moves, where the values vary by less than a tenth (rms) about it, and not with the acceleration. `input` gives
 /// the acting input of a recording.
 ///
 /// ```text
 /// a1 dω + a4 sgn(ω) + … = M = c sgn(ω)   has the exact solution a4 = c, all others zero
 /// ```
-/// A balance of torques takes that solution, though such a robot would not accelerate. The torque of a robot that crawls
-/// is that of its friction too, but it varies with the acceleration.
+/// A balance of torques takes that solution, though such a robot would not accelerate. The torque of a robot that
+/// crawls is that of its friction too, but it varies with the acceleration.
 fn sizes(
     recordings: &[Recording],
     input: impl Fn(&Recording) -> Vec<[f64; 2]>,

@@ -18,11 +18,11 @@ use crate::math::{Information, clustered_covariance, eliminate, raise_errors};
 /// ```text
 /// minimise ½ Σ_k Σ_i (y_i(k) - x_i(k; θ, x0))² / σ_i²,   i = alpha1, alpha2, omega1, omega2
 /// ```
-/// The whole recording is simulated freely from its torques; the initial state of every piece is
-/// estimated too. Levenberg-Marquardt with exact sensitivities through stops and reversals, from
-/// the weak form (from a guess with too much friction the robot would never move). The parameters
-/// of a two-mass drivetrain, which the weak form does not contain, start from the best of a grid. Parameters that are not
-/// identifiable at the start are fixed at their initial values.
+/// The whole recording is simulated freely from its torques; the initial state of every piece is estimated too.
+/// Levenberg-Marquardt with exact sensitivities through stops and reversals, from the weak form (from a guess with too
+/// much friction the robot would never move). The parameters of a two-mass drivetrain, which the weak form does not
+/// contain, start from the best of a grid. Parameters that are not identifiable at the start are fixed at their initial
+/// values.
 ///
 /// Source: Ljung, System Identification (1999), ch. 4; Janot et al. 2014.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]

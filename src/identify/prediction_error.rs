@@ -54,9 +54,9 @@ use interval::{Spread, of_scores, spread};
 /// sums over both wheels are estimated.
 ///
 /// The step of the filter is that of the simulation: the input is interpolated linearly, stops and reversals are
-/// located within the row. A time shift between input and motion, up to half a row, is
-/// estimated with the parameters, except in a model with a delay, which is equivalent. The shape parameters of a regression
-/// whose values are used are those of the filter, with their standard errors.
+/// located within the row. A time shift between input and motion, up to half a row, is estimated with the parameters,
+/// except in a model with a delay, which is equivalent. The shape parameters of a regression whose values are used are
+/// those of the filter, with their standard errors.
 ///
 /// Source: Ljung, System Identification (1999), ch. 7 (prediction error), ch. 9 (sandwich); Kristensen,
 /// Madsen and Jørgensen, Automatica 40 (2004) for the filter. The horizon is derived here.

@@ -16,8 +16,8 @@ type Select = fn(&Recording, f64, usize) -> Vec<Window>;
 /// Directions of the regressor below this share of the largest stay out of a start: they would begin it far away.
 const WEAK: f64 = 1e-6;
 
-/// Initial values of all parameters: weak-form least squares for the linear ones with the shape parameters at
-/// their typical values, fixed ones unchanged. If the input reverses so often that no window without a reversal is left,
+/// Initial values of all parameters: weak-form least squares for the linear ones with the shape parameters at their
+/// typical values, fixed ones unchanged. If the input reverses so often that no window without a reversal is left,
 /// windows with reversals are used.
 ///
 /// # Errors

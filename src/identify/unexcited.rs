@@ -27,11 +27,11 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// A robot that is driven straight veers slightly, because its wheels differ. A model without that difference
 /// attributes the veer to the inertias, with a small standard error. If the recordings contain hardly any turns (or
 /// hardly any travel) they are therefore fixed, unless a regression with free values simulates held-out pieces
-/// significantly better (by two paired standard errors) than with half or twice the inertia in question. Fixed values have
-/// the ratio to the estimated combination that they have in the construction data.
+/// significantly better (by two paired standard errors) than with half or twice the inertia in question. Fixed values
+/// have the ratio to the estimated combination that they have in the construction data.
 ///
-/// A command of one size does not determine dry friction, which could explain all of it. It is held at zero then: the motion
-/// is simulated by the other parameters, whose scale is unknown.
+/// A command of one size does not determine dry friction, which could explain all of it. It is held at zero then: the
+/// motion is simulated by the other parameters, whose scale is unknown.
 pub struct Excited<'a> {
     task: Task<'a>,
     /// The size of the input of each wheel, if it has only one.
@@ -115,7 +115,8 @@ struct Unexcited {
 }
 
 impl Unexcited {
-    /// `None` if the movement excites all parameters, if the inertias are given, or if the data determine them nevertheless.
+    /// `None` if the movement excites all parameters, if the inertias are given, or if the data determine them
+    /// nevertheless.
     fn of(task: &Task) -> Option<Self> {
         let (held, others) = Self::held(task)?;
         (!determines(task, &others)).then_some(held)
@@ -154,8 +155,8 @@ impl Unexcited {
     }
 }
 
-/// The fit with a1, a2 and the parameters that were fixed at `places` marked as not identifiable, and with the combination
-/// a1 + `sign` a2 that is identifiable.
+/// The fit with a1, a2 and the parameters that were fixed at `places` marked as not identifiable, and with the
+/// combination a1 + `sign` a2 that is identifiable.
 pub(super) fn with_combination(mut fit: Fit, model: &Model, sign: f64, places: &[usize]) -> Fit {
     let [a1, a2] = [A1, A2].map(|j| fit.estimates[j].clone());
     let unknown = Unknown::Two {

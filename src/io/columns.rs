@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
+pub use self::spelling::spellings;
 use self::spelling::{SPELLINGS, plain, synonym};
 use super::IoError;
 use crate::catalogue::nearest;

@@ -170,8 +170,8 @@ fn is_no_unit(cell: &str) -> bool {
     NO_UNIT.contains(&cell.as_str()) || cell.contains("hh:mm") || cell.contains("mm:ss")
 }
 
-/// Whether cells are a line of units: each is a unit or says that there is none, and more than one in two of those that hold
-/// a number, as `1` may, is a unit; or, without numbers, more than half are units, and others may be unknown ones.
+/// Whether cells are a line of units: each is a unit or says that there is none, and more than one in two of those that
+/// hold a number, as `1` may, is a unit; or, without numbers, more than half are units, and others may be unknown ones.
 pub(super) fn is_units(cells: &[String]) -> bool {
     let units = cells.iter().filter(|c| is_unit(bare(c))).count();
     let is_known = |c: &String| {

@@ -29,7 +29,7 @@ whole::formats! {
     mat,
 }
 
-pub use columns::{Column, ColumnMap, contract_units};
+pub use columns::{Column, ColumnMap, contract_units, spellings};
 pub use csv::is_owner;
 pub use error::IoError;
 pub use folder::{

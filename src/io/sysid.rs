@@ -5,8 +5,8 @@
 //!   "slow-forward": [[t, left V, right V, left position, right position,
 //!                     left velocity, right velocity, heading, heading rate], …], … }
 //! ```
-//! Positions are in turns of the wheel. Its predecessor frc-characterization (until 2020) wrote no `sysid`, and rows of t,
-//! battery voltage, command, left V, right V, left and right position, left and right velocity, and heading in later
+//! Positions are in turns of the wheel. Its predecessor frc-characterization (until 2020) wrote no `sysid`, and rows of
+//! t, battery voltage, command, left V, right V, left and right position, left and right velocity, and heading in later
 //! versions; their unit is that of the robot's program, and is not in the file.
 //!
 //! A test is a recording of its own, `file.json#slow-forward`;

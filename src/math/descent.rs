@@ -1,80 +1,16 @@
 //! Damped Gauss-Newton for costs given by value, gradient and curvature.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+mod options;
+mod quadratic;
+mod quadratic_model;
 
+use nalgebra::{DMatrix, DVector};
+
+pub use self::options::MinimiseOptions;
+pub use self::quadratic::Quadratic;
+use self::quadratic_model::{QuadraticModel, RIDGE};
 pub use super::damped::MinimumStatus;
 use super::damped::{Attempt, DampedSearch, Proposal, take_steps};
-
-/// A cost with its gradient and a positive semidefinite approximation of its Hessian (`J'J` of a
-/// least-squares problem, the information matrix of a likelihood).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Quadratic {
-    /// Value of the cost.
-    pub cost: f64,
-    /// First derivatives of the cost.
-    pub gradient: DVector<f64>,
-    /// Approximate second derivatives of the cost.
-    pub hessian: DMatrix<f64>,
-    /// Twice the decrease of the cost by which sampling places each parameter, tr(H⁻¹ J)/p with the covariance J of the
-    /// gradient: 1 for a negative log-likelihood, more where residuals are correlated. Zero if unknown.
-    pub scatter: f64,
-}
-
-impl Quadratic {
-    /// Whether all of its numbers are finite.
-    pub(crate) fn is_finite(&self) -> bool {
-        let mut derivatives = self.gradient.iter().chain(self.hessian.iter());
-        self.cost.is_finite() && derivatives.all(|v| v.is_finite())
-    }
-}
-
-/// Settings of [`minimise`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct MinimiseOptions {
-    /// Maximum number of accepted steps.
-    pub max_iterations: usize,
-    /// Converged when the expected decrease, or the actual one of two steps in a row, falls below
-    /// this share of the cost.
-    pub relative_tolerance: f64,
-    /// Converged when the expected decrease falls below this, in the unit of the cost (1e-6 is
-    /// a thousandth of a standard error for a negative log-likelihood).
-    pub absolute_tolerance: f64,
-    /// Converged when the expected decrease falls below this share of [`Quadratic::scatter`].
-    pub scatter_tolerance: f64,
-    /// Smallest value of each parameter, if bounded.
-    pub lower: Option<DVector<f64>>,
-    /// Largest value of each parameter, if bounded.
-    pub upper: Option<DVector<f64>>,
-    /// Damping of the first step, relative to the curvature.
-    pub initial_damping: f64,
-    /// Whether a converged descent takes the undamped step that it found to be negligible, without another
-    /// evaluation: with a loose tolerance this removes most of the remaining error. It also ends the descent one evaluation
-    /// earlier if the decrease left after it is negligible, as the last two decreases extrapolate.
-    pub last_step: bool,
-}
-
-impl Default for MinimiseOptions {
-    fn default() -> Self {
-        Self {
-            max_iterations: 100,
-            relative_tolerance: 1e-12,
-            absolute_tolerance: 1e-14,
-            scatter_tolerance: 0.0,
-            lower: None,
-            upper: None,
-            initial_damping: 1e-3,
-            last_step: false,
-        }
-    }
-}
-
-impl MinimiseOptions {
-    /// A negligible decrease of the cost.
-    fn tolerance(&self, here: &Quadratic) -> f64 {
-        let relative = self.relative_tolerance * here.cost.abs();
-        self.absolute_tolerance.max(relative).max(self.scatter_tolerance * here.scatter)
-    }
-}
 
 /// Result of a minimisation, with the curvature at the minimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,8 +41,6 @@ const IDLE: usize = 2;
 /// it, for decreases to be extrapolated: the descent then converges at least linearly, by that ratio.
 const AS_PREDICTED: f64 = 0.9;
 const FAST: f64 = 0.1;
-/// Relative ridge that keeps the factorisation positive definite along directions without curvature.
-const RIDGE: f64 = 1e-12;
 
 /// The damping of the next step, by Nielsen's rule.
 struct Damping {
@@ -142,11 +76,10 @@ impl Damping {
 /// (S + lambda I) D d = -D^-1 g,   S = D^-1 H D^-1,   D = diag(sqrt h_ii)
 /// ```
 ///
-/// `evaluate` gives cost, gradient and curvature, `cost_only` the cost of a trial; both return
-/// `None` where the cost does not exist, and such a trial, like one that is not finite, is a
-/// rejected step. Parameters at an active bound are fixed, also those that the step of all would move beyond it; steps are
-/// truncated at the bounds.
-/// Scaling makes the result independent of units.
+/// `evaluate` gives cost, gradient and curvature, `cost_only` the cost of a trial; both return `None` where the cost
+/// does not exist, and such a trial, like one that is not finite, is a rejected step. Parameters at an active bound are
+/// fixed, also those that the step of all would move beyond it; steps are truncated at the bounds. Scaling makes the
+/// result independent of units.
 ///
 /// Source: D. W. Marquardt, J. SIAM 11 (1963); damping rule of H. B. Nielsen, IMM-REP-1999-05.
 ///
@@ -219,7 +152,7 @@ where
 
     fn propose(&mut self, accepted: usize, _: usize) -> Proposal<Self::Step> {
         let (x, here, options) = (&self.x, &self.here, self.options);
-        let model = Model::at(x, here, options);
+        let model = QuadraticModel::at(x, here, options);
         let tolerance = options.tolerance(here);
         let promise = model.promise();
         let settled =
@@ -281,89 +214,6 @@ impl<E, C> Descent<'_, E, C> {
     fn leaves(&self, promise: f64) -> f64 {
         if promise <= FAST * self.fallen { promise * promise / self.fallen } else { f64::INFINITY }
     }
-}
-
-/// The quadratic model over the parameters that are free to move, in scaled units.
-struct Model {
-    free: Vec<usize>,
-    /// Whether a free parameter is at its lower and at its upper bound.
-    bound: Vec<[bool; 2]>,
-    root: DVector<f64>,
-    gradient: DVector<f64>,
-    curvature: DMatrix<f64>,
-    size: usize,
-}
-
-impl Model {
-    fn at(x: &DVector<f64>, q: &Quadratic, options: &MinimiseOptions) -> Self {
-        let bound = |i: usize| {
-            let low = options.lower.as_ref().is_some_and(|b| x[i] <= b[i]);
-            [low, options.upper.as_ref().is_some_and(|b| x[i] >= b[i])]
-        };
-        let held = |i: usize| goes_beyond(bound(i), -q.gradient[i]);
-        let free: Vec<usize> = (0..x.len()).filter(|&i| !held(i)).collect();
-        let bound = free.iter().map(|&i| bound(i)).collect();
-        let n = free.len();
-        let root = DVector::from_fn(n, |k, _| {
-            let h = q.hessian[(free[k], free[k])];
-            if h > 0.0 { h.sqrt() } else { 1.0 }
-        });
-        let gradient = DVector::from_fn(n, |k, _| q.gradient[free[k]] / root[k]);
-        let curvature =
-            DMatrix::from_fn(n, n, |k, l| q.hessian[(free[k], free[l])] / root[k] / root[l]);
-        Self { free, bound, root, gradient, curvature, size: x.len() }
-    }
-
-    /// The damped step, zero for held parameters; none if the damped curvature is not positive.
-    fn step(&self, damping: f64) -> Option<DVector<f64>> {
-        let scaled = self.scaled_step(damping)?;
-        let mut step = DVector::zeros(self.size);
-        for (k, &i) in self.free.iter().enumerate() {
-            step[i] = scaled[k] / self.root[k];
-        }
-        Some(step)
-    }
-
-    /// The step in scaled units. Truncating it at a bound would leave the others with their answer to a move that is not
-    /// made, so parameters at a bound that it would cross stay there.
-    fn scaled_step(&self, damping: f64) -> Option<DVector<f64>> {
-        let mut moving: Vec<usize> = (0..self.free.len()).collect();
-        loop {
-            let step = self.solve(&moving, damping)?;
-            let steps = moving.iter().zip(step.iter());
-            let inside = steps.filter(|(k, d)| !goes_beyond(self.bound[**k], **d));
-            let inside: Vec<usize> = inside.map(|(k, _)| *k).collect();
-            if inside.len() == moving.len() {
-                let mut all = DVector::zeros(self.free.len());
-                moving.iter().zip(step.iter()).for_each(|(&k, d)| all[k] = *d);
-                return Some(all);
-            }
-            moving = inside;
-        }
-    }
-
-    /// By Cholesky: [`super::Information::solve_damped`] leaves out directions without curvature, in which a bounded
-    /// descent has to move.
-    fn solve(&self, moving: &[usize], damping: f64) -> Option<DVector<f64>> {
-        let mut damped = self.curvature.select_rows(moving).select_columns(moving);
-        for k in 0..moving.len() {
-            damped[(k, k)] += damping.max(RIDGE);
-        }
-        Cholesky::new(damped).map(|c| -c.solve(&self.gradient.select_rows(moving)))
-    }
-
-    /// The decrease of the cost that the undamped step predicts; infinite if the curvature is not positive.
-    fn promise(&self) -> f64 {
-        if self.free.is_empty() {
-            return 0.0;
-        }
-        self.scaled_step(RIDGE).map_or(f64::INFINITY, |step| -0.5 * self.gradient.dot(&step))
-    }
-}
-
-/// Whether a parameter at its lower or its upper bound would leave it outwards by a step.
-fn goes_beyond([low, high]: [bool; 2], step: f64) -> bool {
-    (low && step < 0.0) || (high && step > 0.0)
 }
 
 fn expected_decrease(q: &Quadratic, step: &DVector<f64>) -> f64 {

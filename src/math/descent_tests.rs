@@ -81,7 +81,8 @@ fn a_bound_is_held_and_the_other_parameters_adapt_as_in_scipy() {
 
 #[test]
 fn a_parameter_that_a_step_would_move_beyond_its_bound_does_not_move_the_others() {
-    // ½ (x - c)' H (x - c) with c = (-1, 3), x1 not negative: minimum at (0, 2.1). The gradient at (0, 0) points inwards
+    // ½ (x - c)' H (x - c) with c = (-1, 3), x1 not negative: minimum at (0, 2.1). The gradient at (0, 0) points
+    // inwards
     let hessian = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
     let quadratic = |x: &DVector<f64>| {
         let from = x - DVector::from_row_slice(&[-1.0, 3.0]);
@@ -158,7 +159,8 @@ fn every_way_to_end_has_its_status() {
 
 #[test]
 fn a_decrease_within_the_scatter_of_sampling_is_negligible() {
-    // half x² has the decrease 0.02 ahead of x = 0.2, and sampling places x by a scatter of 9, three units: 0.0022 of it
+    // half x² has the decrease 0.02 ahead of x = 0.2, and sampling places x by a scatter of 9, three units: 0.0022 of
+    // it
     let cost = |x: &DVector<f64>| Quadratic { scatter: 9.0, ..normal(x, &DMatrix::identity(1, 1)) };
     let options = |scatter_tolerance| MinimiseOptions { scatter_tolerance, ..Default::default() };
     let from = |share| {

@@ -54,7 +54,7 @@ fn a_noisy_weighted_fit_equals_statsmodels_wls() {
 }
 
 #[test]
-fn a_dependent_column_blinds_its_partners_and_nobody_else() {
+fn a_dependent_column_affects_its_partners_and_no_others() {
     let (x, y) = noisy_line();
     let mut wide = x.clone().insert_column(3, 0.0);
     for i in 0..40 {

@@ -98,8 +98,8 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
 }
 
 /// The step of a quantised signal, which may change in every row: one on which 19 of 20 values lie, or the smallest
-/// change if 19 of 20 changes are multiples of it. Values printed with few digits have changes on both sides of the step
-/// (2.0 and 2.1 for 2.08).
+/// change if 19 of 20 changes are multiples of it. Values printed with few digits have changes on both sides of the
+/// step (2.0 and 2.1 for 2.08).
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let least = smallest_change(signal)?;
     let ratio = |w: &[f64]| (w[1] - w[0]).abs() / least;

@@ -48,8 +48,8 @@ impl WithSimd for Products<'_> {
     }
 }
 
-/// Multiplies each row by its factor, then adds `rows[k][c] rows[k][b]` to `sums[c][b]` for `1 <= c <= last` and b from 0 to
-/// at least c, in the order of the rows.
+/// Multiplies each row by its factor, then adds `rows[k][c] rows[k][b]` to `sums[c][b]` for `1 <= c <= last` and b from
+/// 0 to at least c, in the order of the rows.
 ///
 /// A row, like row c of `sums`, has `width` numbers, a multiple of [`FILLED`].
 pub(crate) fn add_own_products(

@@ -58,8 +58,8 @@ pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> Option<DMatri
     Some(svd.pseudo_inverse(rank))
 }
 
-/// Orthonormal columns that span those of a matrix with at least as many rows as columns; directions whose singular value,
-/// after the columns are scaled to a norm of one, is less than `share` of the largest are left out.
+/// Orthonormal columns that span those of a matrix with at least as many rows as columns; directions whose singular
+/// value, after the columns are scaled to a norm of one, is less than `share` of the largest are left out.
 pub(crate) fn orthonormal(mut columns: DMatrix<f64>, share: f64) -> DMatrix<f64> {
     for mut column in columns.column_iter_mut() {
         let norm = column.norm();

@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use crate::math::{cumulative_trapezoid, noise, quantile};
 
-/// Error of a speed computed from counts of an encoder, as a share of the top speed, above which it is computed over more
-/// rows (judgement: a percent is hardly visible in a figure).
+/// Error of a speed computed from counts of an encoder, as a share of the top speed, above which it is computed over
+/// more rows (judgement: a percent is hardly visible in a figure).
 pub(crate) const RESOLVED: f64 = 0.01;
 /// Longest time to either side of a row over which a speed is computed \[s\], as in the local motion.
 const LONGEST: f64 = 0.03;
 
-/// Number of rows to either side over which speeds are computed from angles: one, and more if the rows follow each other
-/// so fast that the counts of the encoder would hide the speed.
+/// Number of rows to either side over which speeds are computed from angles: one, and more if the rows follow each
+/// other so fast that the counts of the encoder would hide the speed.
 ///
 /// ```text
 /// √2 (q/√12)/(2 n h) <= 0.01 top speed,   n h <= 0.03 s
@@ -37,8 +37,8 @@ pub(super) fn integrate(t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
     right.into_iter().zip(left).map(|(right, left)| [right, left]).collect()
 }
 
-/// Speeds from angles, over `reach` rows to either side; of a sensor that is slower than the rows computed from the rows
-/// with new values, and held in between like the angles.
+/// Speeds from angles, over `reach` rows to either side; of a sensor that is slower than the rows computed from the
+/// rows with new values, and held in between like the angles.
 pub(crate) fn slopes(
     t: &[f64],
     alpha: &[[f64; 2]],
@@ -69,8 +69,8 @@ pub(crate) fn slopes(
     omega
 }
 
-/// Speeds from angles, in pieces without a gap: the slope of the parabola through a row and those `reach` rows before and
-/// after it; nearer to the ends of a piece the mean speed over the rows that there are.
+/// Speeds from angles, in pieces without a gap: the slope of the parabola through a row and those `reach` rows before
+/// and after it; nearer to the ends of a piece the mean speed over the rows that there are.
 pub(crate) fn differentiate(
     t: &[f64],
     alpha: &[[f64; 2]],

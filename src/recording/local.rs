@@ -261,8 +261,9 @@ impl<'a> Parabola<'a> {
         out.alpha_variance[i] = if measured { rows * covariance[(0, 0)].max(0.0) } else { 0.0 };
     }
 
-    /// Rows of the neighbourhood for each of its counts where the counts of an encoder hide the speed, otherwise one: the
-    /// errors of rows with the same count are not independent, so that together they determine the motion like one row.
+    /// Rows of the neighbourhood for each of its counts where the counts of an encoder hide the speed, otherwise one:
+    /// the errors of rows with the same count are not independent, so that together they determine the motion like one
+    /// row.
     fn rows_per_count(&self) -> f64 {
         let (r, i, rows) = (self.recording, self.wheel, &self.range);
         if r.reach() == 1 {
@@ -334,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_share_one_motion_until_the_noise_of_the_sensors_is_told() {
+    fn copies_share_one_motion_until_the_noise_of_the_sensors_is_set() {
         let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let rough = |k: usize| 0.01 * ((k * k) as f64).sin();
         let omega = t.iter().enumerate().map(|(k, t)| [t.sin() + rough(k), -t + rough(k + 7)]);

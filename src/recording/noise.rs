@@ -68,8 +68,8 @@ impl Recording {
             });
         }
         if !self.measured().omega {
-            // fourth differences of such speeds show six tenths of their variance, since neighbours share an angle, and less
-            // where counts that pass slowly repeat
+            // fourth differences of such speeds show six tenths of their variance, since neighbours share an angle, and
+            // less where counts that pass slowly repeat
             let slow = self.fresh().contains(&false);
             let rows = if slow { self.rows_per_refresh() } else { self.reach() };
             let over = 2.0 * rows as f64 * self.step();
@@ -92,8 +92,8 @@ impl Recording {
         self.input_jumps().map(|jumps| self.noise_of_jumps() * jumps)
     }
 
-    /// Standard deviation of the differences of the input from row to row [unit of the input], which are
-    /// noise or changes of the input itself, as far as the speeds do not follow them. Computed once; copies of the recording
+    /// Standard deviation of the differences of the input from row to row [unit of the input], which are noise or
+    /// changes of the input itself, as far as the speeds do not follow them. Computed once; copies of the recording
     /// with the same input share it.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {

@@ -27,13 +27,13 @@ const RANK: f64 = 1e-8;
 /// ω(k+1) = Φ ω(k) + Γ0 M(k) + Γ1 M(k+1) - C sgn ω(k) + c,   Var = (1 + φ'φ) σ_ω² + γ'γ σ_M² + what the model lacks
 /// σ_ω² ≤ Var/(1 + φ'φ),   σ_M² ≤ Var/γ'γ
 /// ```
-/// over rows in which no wheel rests or reverses. Fourth differences take the response to steps of the input, and in a slow
-/// log the steps, for noise; this model, exact for linear dynamics and an input that is held or linear between rows, does
-/// not. Noise of a column makes its coefficient smaller by a factor λ, and the residual contains `γ'γ σ_M²/λ` of the
-/// smaller one, so that the limits hold. One row in 20 is left out. Both inputs are assumed to have equal noise, and have
-/// the lower limit of both. Infinite for sensors slower than the rows, for too few rows, and for a model with a memory of
-/// more than ten rows (`Φ` near 1), as in most logs: there fourth differences are accurate, and filtered noise would be
-/// predicted.
+/// over rows in which no wheel rests or reverses. Fourth differences take the response to steps of the input, and in a
+/// slow log the steps, for noise; this model, exact for linear dynamics and an input that is held or linear between
+/// rows, does not. Noise of a column makes its coefficient smaller by a factor λ, and the residual contains `γ'γ
+/// σ_M²/λ` of the smaller one, so that the limits hold. One row in 20 is left out. Both inputs are assumed to have
+/// equal noise, and have the lower limit of both. Infinite for sensors slower than the rows, for too few rows, and for
+/// a model with a memory of more than ten rows (`Φ` near 1), as in most logs: there fourth differences are accurate,
+/// and filtered noise would be predicted.
 pub(super) fn most_noise(recording: &Recording) -> MostNoise {
     let pairs = pairs(recording);
     let unlimited = [f64::INFINITY; 2];
@@ -66,8 +66,8 @@ pub(super) fn most_noise(recording: &Recording) -> MostNoise {
     MostNoise { omega: of(|(omega, _)| omega), input: [input; 2] }
 }
 
-/// At most [`ENOUGH`] rows with a successor after an even step in time: those in which both wheels turn, in one direction;
-/// any, if they are too few.
+/// At most [`ENOUGH`] rows with a successor after an even step in time: those in which both wheels turn, in one
+/// direction; any, if they are too few.
 fn pairs(recording: &Recording) -> Vec<usize> {
     let (omega, t, step) = (recording.omega(), recording.t(), recording.step());
     let slow = SLOW * recording.top_speed();
@@ -117,8 +117,8 @@ mod tests {
         for noise in recording.motion_noise().omega {
             assert!((0.045..0.058).contains(&noise), "{noise}");
         }
-        // fourth differences take the steps in every tenth row for noise of about 1 V; that which the speeds do not follow
-        // would move them by less than the residual, with a gain of (1 - φ)/k_e for φ = exp(-0.1/0.15)
+        // fourth differences take the steps in every tenth row for noise of about 1 V; that which the speeds do not
+        // follow would move them by less than the residual, with a gain of (1 - φ)/k_e for φ = exp(-0.1/0.15)
         let remains = (-0.1_f64 / 0.15).exp();
         let limit = 0.05 * (1.0 + remains * remains).sqrt() * p[COUNT] / (1.0 - remains);
         for noise in recording.input_jumps() {

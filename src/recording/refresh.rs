@@ -124,8 +124,9 @@ fn grain(channels: &Channels, same: &[bool]) -> Grain {
     }
 }
 
-/// Rows with a new reading of a sensor that is slow and so coarse that many readings repeat the last value; `None` if the
-/// changes have no [`period`]. A row with a change is a reading; of the periods without one the row in which it ends.
+/// Rows with a new reading of a sensor that is slow and so coarse that many readings repeat the last value; `None` if
+/// the changes have no [`period`]. A row with a change is a reading; of the periods without one the row in which it
+/// ends.
 fn readings(same: &[bool]) -> Option<Vec<bool>> {
     let changes: Vec<usize> = (1..same.len()).filter(|&k| !same[k]).collect();
     let period = period(&changes)?;

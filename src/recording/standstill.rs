@@ -75,13 +75,14 @@ fn drop_short_runs(still: &mut [[bool; 2]], i: usize) {
 const NOISE: f64 = 0.5;
 /// Standard errors of a correlation that is significant.
 const SURE: f64 = 5.0;
-/// Fewest rows in which noise and motion differ: a correlation of white noise is then below 0.7 by five standard errors.
+/// Fewest rows in which noise and motion differ: a correlation of white noise is then below 0.7 by five standard
+/// errors.
 const FEWEST: usize = 50;
 /// Rows by which a motion may follow its input.
 const LATER: usize = 2;
 
-/// Whether a sensor of a wheel shows no motion at all: a constant, or white noise that is not correlated with the `input`
-/// of the wheel, of its row or of the two before it.
+/// Whether a sensor of a wheel shows no motion at all: a constant, or white noise that is not correlated with the
+/// `input` of the wheel, of its row or of the two before it.
 ///
 /// ```text
 /// r_1 = sum (x_k - m) (x_(k-1) - m)/sum (x_k - m)^2 < 0.5,   |corr(x_k, M_(k-j))| < 5/sqrt(n),  j = 0, 1, 2

@@ -1,6 +1,6 @@
 //! Text on the dead time between input and motion.
 
-use crate::diagnose::{LONGEST_DELAY, Timing};
+use crate::diagnose::{THRESHOLDS, Timing};
 use crate::effects::{self, Change};
 use crate::report::format;
 
@@ -14,7 +14,7 @@ fn ms(seconds: f64) -> String {
 /// Whether the recordings determine the time: its interval of 95 % is not wider than the range in which it is searched.
 #[must_use]
 pub fn is_determined(timing: &Timing) -> bool {
-    2.0 * INTERVAL * timing.std_error_s <= LONGEST_DELAY
+    2.0 * INTERVAL * timing.std_error_s <= THRESHOLDS.longest_delay_s
 }
 
 /// Whether the input acts before its time in the log: no dead time, but a shift of the log.
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_that_the_model_lacks_is_said_with_what_to_add() {
+    fn a_time_that_the_model_lacks_is_stated_with_what_to_add() {
         let of = |time, correction| dead_time(&of(time, correction));
         let late = of(0.0238, 0.0);
         assert!(late.contains("23.8 ± 0.4 ms from input to motion (95 %: 23.0 to 24.6 ms), more"));

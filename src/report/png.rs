@@ -116,8 +116,8 @@ fn parts(color: u32) -> Color {
     [r, g, b]
 }
 
-/// The compressed numbers in the palette, in one piece: the encoder's own method clears its output buffer for every line,
-/// which took a tenth of the time of a run.
+/// The compressed numbers in the palette, in one piece: the encoder's own method clears its output buffer for every
+/// line, which took a tenth of the time of a run.
 fn compressed(
     lines: &[Lines],
     places: &ByColor<u8>,

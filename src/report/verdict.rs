@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn recordings_with_fewer_windows_than_parameters_are_said_to_be_too_short() {
+    fn recordings_with_fewer_windows_than_parameters_are_reported_as_too_short() {
         let effect = UnprovenEffect { id: "wheel_slip".into(), lowers: 0.25, crossed: false };
         let short = Withheld::Short { windows: 6, parameters: 8 };
         let verdict = Verdict::ModelSufficient;
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn a_floor_of_slow_noise_is_said_to_be_known_roughly() {
+    fn a_floor_of_slow_noise_is_reported_as_rough() {
         let errors = Errors {
             before: 4.0,
             after: 4.0,

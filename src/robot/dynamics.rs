@@ -52,7 +52,8 @@ impl BaseParameters {
         self.a1 > self.a2.abs()
     }
 
-    /// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s]: a3 w2 (w2 - w1) and a3 w1 (w1 - w2).
+    /// Centrifugal torques [N m] of the left side of eq. (14) for wheel speeds [rad/s]: a3 w2 (w2 - w1) and a3 w1 (w1 -
+    /// w2).
     #[must_use]
     pub fn centrifugal(&self, omega: [f64; 2]) -> [f64; 2] {
         centrifugal_torques(self.a3, omega)

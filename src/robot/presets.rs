@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tank_drive_coasts_down_as_its_friction_voltage_says() {
+    fn the_tank_drive_coasts_down_by_its_friction_voltage() {
         let c = frc_tank_drive().construction;
         let a = c.parameters();
         // deceleration of the coasting robot; the wheels' own inertia makes it slower than

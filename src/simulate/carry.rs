@@ -34,7 +34,8 @@ impl Node {
         ]
     }
 
-    /// Adds the accelerations by derivatives of the input at a share of the sample; `inverse` is that of the mass matrix.
+    /// Adds the accelerations by derivatives of the input at a share of the sample; `inverse` is that of the mass
+    /// matrix.
     #[inline(always)]
     fn add_input(&mut self, (input, inverse): (&[InputSlope], [f64; 3]), share: f64) {
         for (j, [start, end]) in input {
@@ -79,8 +80,8 @@ pub(super) struct Turn<'a>(pub(super) Carry<'a>);
 /// input acts.
 pub(super) type Solved = (Quantities, f64);
 
-/// The same as [`Carry`] after the nodes of sliding wheels are solved: at the start, unless its node is known, in the middle
-/// and at the end.
+/// The same as [`Carry`] after the nodes of sliding wheels are solved: at the start, unless its node is known, in the
+/// middle and at the end.
 pub(super) struct Slide<'a> {
     pub(super) forcing: &'a Forcing,
     pub(super) start: Option<Solved>,

@@ -12,8 +12,8 @@ use crate::math::runge_kutta_from;
 use crate::model::times;
 
 impl Forces<'_> {
-    /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]: its start and end. `None` if the contact must be
-    /// solved (a direction at rest, reversal), if a mass, a level or the coupling varies, and without a coupling.
+    /// One classical Runge-Kutta step from `y` at `from` to `to` \[s\]: its start and end. `None` if the contact must
+    /// be solved (a direction at rest, reversal), if a mass, a level or the coupling varies, and without a coupling.
     pub(super) fn glide_coupled(
         &self,
         from: f64,

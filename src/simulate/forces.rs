@@ -99,8 +99,8 @@ impl<'m> Forces<'m> {
     }
 
     /// The fastest rate at which torques that depend on the speeds change them at `y` [1/s], such as 1/τ of a motor
-    /// with back-EMF: the largest row sum of `A⁻¹ ∂τ/∂ω`, with one-sided differences of `τ`. Dry friction has no rate of its
-    /// own, and that of the centrifugal torques of the base model (a3 ω/a1) is too low to matter.
+    /// with back-EMF: the largest row sum of `A⁻¹ ∂τ/∂ω`, with one-sided differences of `τ`. Dry friction has no rate
+    /// of its own, and that of the centrifugal torques of the base model (a3 ω/a1) is too low to matter.
     pub(super) fn damping_rate(&self, t: f64, y: &Vector) -> f64 {
         if self.model.effects().len() == BASE.len() {
             return 0.0;

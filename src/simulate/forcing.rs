@@ -107,7 +107,8 @@ impl Forcing {
         }
     }
 
-    /// Writes the derivatives with respect to the first `columns` parameters at several instants, padded to whole registers.
+    /// Writes the derivatives with respect to the first `columns` parameters at several instants, padded to whole
+    /// registers.
     #[inline(always)]
     pub(super) fn write<S: Simd, const N: usize>(
         &self,

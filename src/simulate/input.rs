@@ -50,8 +50,8 @@ pub(crate) fn every_other(
     out
 }
 
-/// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its integral is
-/// exact. The end values of every piece are held.
+/// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its
+/// integral is exact. The end values of every piece are held.
 pub(crate) fn held_later(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
     let t = recording.t();
     let mut out = signal.to_vec();
@@ -77,8 +77,8 @@ pub(crate) fn held_later(recording: &Recording, signal: &[[f64; 2]], shift: f64)
     out
 }
 
-/// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of its
-/// values before and after acts as much later as the held one.
+/// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of
+/// its values before and after acts as much later as the held one.
 pub(crate) fn at_rows(pieces: &[Range<usize>], acting: &[[f64; 2]], hold: Hold) -> Vec<[f64; 2]> {
     let mut out = acting.to_vec();
     if hold == Hold::Linear {

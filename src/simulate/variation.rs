@@ -217,9 +217,9 @@ impl Variation {
         }
     }
 
-    /// What is left of initial speeds if only direction `n` is free: friction stops the rest at once, and the momentum along
-    /// `n` stays. Without this the speed of a wheel that begins at rest would act on all later rows, which no simulation
-    /// shows, and a descent over initial speeds would go to and fro between zero and a speed near it.
+    /// What is left of initial speeds if only direction `n` is free: friction stops the rest at once, and the momentum
+    /// along `n` stays. Without this the speed of a wheel that begins at rest would act on all later rows, which no
+    /// simulation shows, and a descent over initial speeds would go to and fro between zero and a speed near it.
     ///
     /// ```text
     /// S+ = n (n'A S-)/(n'A n)   of the speeds

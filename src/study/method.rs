@@ -116,8 +116,8 @@ impl MethodStudy {
         }
     }
 
-    /// Why the recordings do not determine the model: its inertias may be due to the input between the rows, or the columns
-    /// do not determine them.
+    /// Why the recordings do not determine the model: its inertias may be due to the input between the rows, or the
+    /// columns do not determine them.
     #[must_use]
     pub fn undetermined(&self) -> Option<Undetermined> {
         let of_columns = || self.is_undetermined().then_some(Undetermined::Columns);

@@ -96,9 +96,9 @@ pub struct RecordingStudy {
     pub path: Vec<[f64; 3]>,
 }
 
-/// Ratio of the quality index that noise causes to the part of the speed sensors above which the rest, the drift of a free
-/// simulation by noise of the input, is most of it. The floor is then the mean of a random drift that one run may miss by
-/// far (judgement).
+/// Ratio of the quality index that noise causes to the part of the speed sensors above which the rest, the drift of a
+/// free simulation by noise of the input, is most of it. The floor is then the mean of a random drift that one run may
+/// miss by far (judgement).
 const DRIFTING: f64 = 10.0;
 
 impl RecordingStudy {

@@ -73,7 +73,8 @@ impl<'a> Concluded<'a> {
         let by_blocks = structured_by_blocks(curves);
         let structure = by_blocks.is_some() || depends_on.is_some() && structured(curves);
         let depends_on = depends_on.or(by_blocks);
-        // slow noise of the input, as the innovations show it, may cause an error without structure that no effect lowers
+        // slow noise of the input, as the innovations show it, may cause an error without structure that no effect
+        // lowers
         let asked = !structure && likely.is_none() && errors.above_floor();
         let coloured = if asked { judge.coloured_floor(model, p, left.slow).powi(2) } else { 0.0 };
         let most = errors.most.max(coloured);
@@ -213,8 +214,8 @@ impl<'a> Concluded<'a> {
     }
 }
 
-/// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for example
-/// because there are no more windows than parameters.
+/// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for
+/// example because there are no more windows than parameters.
 fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
     let WindowFit { model, covariance, windows, .. } = diagnosis.last();
     let is_unknown = |j: usize| !covariance[(j, j)].is_finite();
@@ -229,8 +230,8 @@ fn steady(judge: &Judge, errors: &Errors) -> Option<Undetermined> {
     errors.are_of_steady_speeds(change).then(|| Undetermined::Steady { change: change.sqrt() })
 }
 
-/// Ratio of the reported error with a likely effect to that without it; without validation recordings that of the windows
-/// of the other fold, since the recordings in the report were fitted.
+/// Ratio of the reported error with a likely effect to that without it; without validation recordings that of the
+/// windows of the other fold, since the recordings in the report were fitted.
 fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> Option<f64> {
     let fall = ranked.fall?.ratio;
     let fit = ranked.refit.as_ref().filter(|_| validated);
@@ -238,8 +239,8 @@ fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> O
     Some(with.map_or(fall, |with| with.window_rms / errors.after.sqrt()))
 }
 
-/// Why a fit with the effect `id`, which lowers the held-out error, is not accepted; `now`: square of the reported error
-/// [rad^2/s^2].
+/// Why a fit with the effect `id`, which lowers the held-out error, is not accepted; `now`: square of the reported
+/// error [rad^2/s^2].
 fn reason(judge: &Judge, now: f64, fit: &WindowFit, id: &str) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));

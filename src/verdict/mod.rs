@@ -29,8 +29,8 @@ pub struct Basis<'a> {
     pub slow_moment: bool,
     /// Seed of the proposed manoeuvre.
     pub seed: u64,
-    /// Why the recordings do not determine an estimate of the model as given. If the columns are the reason, the diagnosis
-    /// may identify a1 nevertheless.
+    /// Why the recordings do not determine an estimate of the model as given. If the columns are the reason, the
+    /// diagnosis may identify a1 nevertheless.
     pub undetermined: Option<Undetermined>,
 }
 

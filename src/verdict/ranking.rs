@@ -5,9 +5,6 @@ use crate::identify::Estimate;
 use crate::simulate::SimulateError;
 use crate::study::{CandidateStudy, StepStudy, parameters_of};
 
-/// Number of candidates whose error on the judged recordings is simulated.
-const JUDGED: usize = 8;
-
 pub(super) fn staircase(
     diagnosis: &Diagnosis,
     judge: &Judge,
@@ -31,7 +28,7 @@ pub(super) fn ranking(
     before: Judgement,
 ) -> Result<Vec<CandidateStudy>, SimulateError> {
     let judged = |(place, ranked): (usize, &Ranked)| match &ranked.refit {
-        Some(fit) if place < JUDGED => judge.judge(&fit.model, &fit.p).map(Some),
+        Some(fit) if place < THRESHOLDS.judged => judge.judge(&fit.model, &fit.p).map(Some),
         _ => Ok(None),
     };
     let after: Vec<Option<Judgement>> =

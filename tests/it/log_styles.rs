@@ -81,7 +81,7 @@ fn databases_write_points_and_tables_one_below_the_other() {
 }
 
 #[test]
-fn kinds_of_lines_and_frames_are_told_apart() {
+fn kinds_of_lines_and_frames_are_distinguished() {
     let log = lines(|[t, w1, w2, m1, m2]| {
         format!(
             "IMU {t:.3} 0.1 9.8\nODO {t:.3} omega_l {w2} omega_r {w1}\nMOT {t:.3} tau_l {m2} tau_r {m1}\n"

@@ -97,7 +97,7 @@ fn actuator_lag_is_named() {
 }
 
 #[test]
-fn viscous_friction_is_named_with_what_cannot_be_told_from_it() {
+fn viscous_friction_is_named_with_what_is_indistinguishable_from_it() {
     let Some(d) = diagnosis("viscous_friction") else { return };
     assert_eq!(d["verdict"], "effects_missing");
     // two unequal constants: one for both wheels and then the difference, or one for each wheel

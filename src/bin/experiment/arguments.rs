@@ -62,7 +62,8 @@ pub(crate) enum Command {
     Run(Run),
     /// Detect columns and units of recordings, and write a commented experiment file.
     New {
-        /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId); of each kind of movement every third is kept for validation.
+        /// Recordings (CSV, Parquet, WPILOG, MCAP, MAT, SysId); of each kind of movement every third is kept for
+        /// validation.
         #[arg(required = true, value_name = "RECORDING")]
         recordings: Vec<PathBuf>,
         /// The file to write; the name of the first recording unless given.

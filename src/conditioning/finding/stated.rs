@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_of_which_the_same_is_said_share_a_sentence() {
+    fn channels_with_the_same_finding_share_a_sentence() {
         let quantum = |i| finding(Channel::Speed(i), Kind::Quantum { step: 0.5 });
         let said = stated(&[quantum(0), finding(Channel::Input(0), Kind::Sign), quantum(1)]);
         assert_eq!(said.len(), 2);

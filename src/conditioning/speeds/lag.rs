@@ -44,8 +44,8 @@ pub enum SpeedLag {
     Disputed,
 }
 
-/// Whether recordings of one log, each with the refresh interval of its sensors \[s\], show lags of the speeds that differ
-/// by more than their errors and the unknown instant within that interval.
+/// Whether recordings of one log, each with the refresh interval of its sensors \[s\], show lags of the speeds that
+/// differ by more than their errors and the unknown instant within that interval.
 #[must_use]
 pub fn lags_differ<'a>(recordings: impl Iterator<Item = (&'a [Finding], f64)>) -> bool {
     let shown = |(findings, step): (&[Finding], f64)| {

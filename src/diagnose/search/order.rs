@@ -21,10 +21,10 @@ impl Search<'_> {
         self.choose_alike(ranked);
     }
 
-    /// Adds the evidence of the held-out recordings to the criterion, if the first candidate leaves their error above the
-    /// floor and another one explains all of it. The training recordings may contain too little of the motion that
-    /// separates the two, and the criterion of a model that is wrong is too certain. A false alarm is not concerned: the
-    /// error is above the floor with the candidate that the training recordings prefer.
+    /// Adds the evidence of the held-out recordings to the criterion, if the first candidate leaves their error above
+    /// the floor and another one explains all of it. The training recordings may contain too little of the motion that
+    /// separates the two, and the criterion of a model that is wrong is too certain. A false alarm is not concerned:
+    /// the error is above the floor with the candidate that the training recordings prefer.
     ///
     /// ```text
     /// ΔBIC = values (rms_after² - rms_before²)/floor²

@@ -13,8 +13,8 @@ impl Search<'_> {
     /// Re-ranks lags and delays if one of them is first: the criterion of each becomes the lowest one plus its
     /// [`evidence`] against the best.
     ///
-    /// The windows' error does not distinguish a lag from a delay of the same length: they differ in the second order, and
-    /// a lag smooths the noise of the recorded input, which lowers its error whether the robot has one or not.
+    /// The windows' error does not distinguish a lag from a delay of the same length: they differ in the second order,
+    /// and a lag smooths the noise of the recorded input, which lowers its error whether the robot has one or not.
     pub(super) fn order_shifts(&self, ranked: &mut [Ranked]) {
         let is_shift = |r: &Ranked| r.candidate.is_shift() && r.refit.is_some();
         let places: Vec<usize> = (0..ranked.len()).filter(|&n| is_shift(&ranked[n])).collect();

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::{Criteria, Data, MANY, Search, Settings, held_in_time};
+use super::{Criteria, Data, Search, Settings, held_in_time};
 use crate::diagnose::aligned::{Aligned, within_turn};
 use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
@@ -24,13 +24,6 @@ use crate::simulate::Hold;
 /// Number of fits that alternate with shifts: the first shifts are of first order, with parameters that the
 /// waves have biased.
 const REFINEMENTS: usize = 5;
-/// Standard error of a phase \[rad\] above which it is undetermined: that of an amplitude of ten standard
-/// errors. Errors of windows are not independent, and for periodic torques that are absent, separate phases
-/// in each recording fit with six.
-const KNOWN: f64 = 0.1;
-/// Smallest phase \[rad\] for which a recording is moved; without the move a twentieth of the wave would
-/// remain.
-const LEAST: f64 = 0.05;
 
 /// Where an angle of a recording starts against that of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +81,7 @@ pub fn start_angles(
         let moved = moved(&owned, &found, model.robot());
         let Some((better, again)) = search.refined(&with_waves, &candidate, &moved) else { break };
         with_waves = better;
-        if found.turn_by(again) < LEAST {
+        if found.turn_by(again) < THRESHOLDS.least_angle_rad {
             break;
         }
     }
@@ -118,7 +111,9 @@ fn known(found: &Aligned, r: usize) -> Vec<StartAngle> {
             (within_turn(wave, found.shifts[r][w]), found.std_errors[r][w]);
         let (size, error) = (angle.abs() * wave.order, std_error_rad * wave.order);
         // another effect that is missing too adds errors that are not independent
-        let worth = error < KNOWN && size > LEAST && size > THRESHOLDS.phase_differs * error;
+        let worth = error < THRESHOLDS.known_angle_rad
+            && size > THRESHOLDS.least_angle_rad
+            && size > THRESHOLDS.phase_differs * error;
         worth.then_some(StartAngle { of: wave.of, angle_rad: angle, std_error_rad })
     };
     found.waves.iter().enumerate().filter_map(one).collect()
@@ -206,7 +201,7 @@ impl Search<'_> {
                 })
                 .collect();
             let Some((first, aligned)) = own.first() else { continue };
-            let levelled = first.is_of_orders() && own.len() >= MANY;
+            let levelled = first.is_of_orders() && own.len() >= THRESHOLDS.many_orders;
             let free = (first.columns() + aligned.count()) as f64;
             let expected = distribution::chi2_quantile(0.5, free);
             let count = aligned.ratios().len();

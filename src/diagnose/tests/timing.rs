@@ -98,7 +98,7 @@ fn a_dead_time_is_no_low_pass_of_the_sensor() {
     };
     let speeds = Recording::new("speeds", speeds, DriveUnit::NewtonMetre).unwrap();
     let first = started(&model, std::slice::from_ref(&speeds));
-    let filter = speed_filter(&model, &first, &[&speeds], Hold::Linear);
+    let filter = speed_filter(&AsRecorded::new(&model, &first, &[&speeds], Hold::Linear));
     assert!(filter.is_none(), "{filter:?}");
     let found = timing(&model, &first, &[&speeds], Hold::Linear).unwrap();
     let error = found.dead_time_s - 0.020;
@@ -223,7 +223,8 @@ fn a_balance_without_a_minimum_inside_its_range_gives_no_time() {
 
 #[test]
 fn friction_at_rest_that_is_larger_than_in_motion_is_no_dead_time() {
-    // a motor of 12 V under a command that rises until the wheels break away, at 2.3 and 1.7 V; in motion they need 1.1 V
+    // a motor of 12 V under a command that rises until the wheels break away, at 2.3 and 1.7 V; in motion they need 1.1
+    // V
     let robot = Robot::from_preset("regbot").unwrap();
     let sticks = Model::with_effects(robot.clone(), &["back_emf", "stribeck"]).unwrap();
     let p = [0.0091, 0.0006, 0.0006, 1.1, 1.1, 0.19, 0.9, -0.3, 0.3, 2.0];

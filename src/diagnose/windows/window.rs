@@ -2,12 +2,10 @@
 
 use std::ops::Range;
 
+use crate::diagnose::thresholds::THRESHOLDS;
 use crate::recording::Recording;
 use crate::robot::State;
 
-/// Length of a window \[s\]: long enough for friction and viscous effects, short enough that noise of the
-/// input does not dominate; the acceptance test uses the same.
-pub(super) const WINDOW: f64 = 1.0;
 /// Smallest number of rows of a window.
 const FEWEST: usize = 5;
 
@@ -35,7 +33,7 @@ pub(super) fn cut(
     let t = recording.t();
     let length = t[piece.end - 1] - t[piece.start];
     let slow = 2.0 * FEWEST as f64 * recording.step();
-    let count = (length / WINDOW.max(slow)).round().max(1.0) as usize;
+    let count = (length / THRESHOLDS.window_s.max(slow)).round().max(1.0) as usize;
     let edge = {
         let (start, t) = (t[piece.start], t[piece.clone()].to_vec());
         let first = piece.start;

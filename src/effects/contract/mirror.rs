@@ -64,7 +64,8 @@ fn is_of_wheel_1(effect: &dyn Effect, p: &[f64]) -> bool {
     flat(&terms).iter().all(|v| *v == 0.0) && acting.is_some_and(is_unchanged)
 }
 
-/// The mirror image of a parameter is a parameter, of either sign: an angle changes its sign, a pair of wheels its order.
+/// The mirror image of a parameter is a parameter, of either sign: an angle changes its sign, a pair of wheels its
+/// order.
 #[test]
 fn the_mirror_image_of_the_robot_has_the_mirror_image_of_the_effect() {
     each(1, |effect, id, _, rng| {

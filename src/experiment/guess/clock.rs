@@ -16,8 +16,8 @@ const CALENDAR: f64 = 1e9;
 const PLACES: [&str; 8] = ["x", "y", "z", "pos", "position", "dist", "distance", "odom"];
 
 /// The time: the best name whose values increase, else two columns that are seconds and a part of a second, else the
-/// sum of the steps between the rows, else the column that always increases, with the most even steps, else the counter of a
-/// timer. A column that counts the rows is not their time; a name that may be a position is asked about.
+/// sum of the steps between the rows, else the column that always increases, with the most even steps, else the counter
+/// of a timer. A column that counts the rows is not their time; a name that may be a position is asked about.
 pub(super) fn time(all: &[Candidate]) -> Option<Guessed> {
     let parted = seconds_and_part(all);
     let is_part = |one: &Guessed| {
@@ -150,8 +150,8 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
 /// Variation of the steps of a timer, as a share of their mean, below which they are even.
 const EVEN: f64 = 0.1;
 
-/// Ticks of no wheel that increase in even steps: those of a timer, of unknown length. The counts of a wheel vary with its
-/// speed.
+/// Ticks of no wheel that increase in even steps: those of a timer, of unknown length. The counts of a wheel vary with
+/// its speed.
 fn timer(all: &[Candidate]) -> Option<Guessed> {
     let is_one = |c: &&Candidate| {
         let values = &c.column.values;
@@ -167,14 +167,15 @@ fn timer(all: &[Candidate]) -> Option<Guessed> {
     Some(Guessed { unit: None, scale_open: true, evidence: vec![why], ..guessed(one) })
 }
 
-/// The column that increases in every row, by steps with the smallest deviation relative to their mean: counts of a wheel
-/// repeat or vary with its speed.
+/// The column that increases in every row, by steps with the smallest deviation relative to their mean: counts of a
+/// wheel repeat or vary with its speed.
 fn most_even<'a, 'b>(all: &[&'a Candidate<'b>]) -> Option<&'a Candidate<'b>> {
     let strict = all.iter().filter_map(|c| Some((variation(&c.column.values)?, *c)));
     strict.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, c)| c)
 }
 
-/// Sum of the squared deviations of the steps from their mean, relative to it; `None` if the values do not always increase.
+/// Sum of the squared deviations of the steps from their mean, relative to it; `None` if the values do not always
+/// increase.
 fn variation(values: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     let mean = mean(steps.iter().copied());

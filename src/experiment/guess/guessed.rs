@@ -21,8 +21,8 @@ pub(in crate::experiment) struct Guessed {
     pub(in crate::experiment) scale: Option<f64>,
     /// Whether the unit must be asked for.
     pub(in crate::experiment) unit_open: bool,
-    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows; the sign of a wheel
-    /// that may be mirrored; the gear of a speed of the motor's field.
+    /// Whether the factor must be asked for: the time between two rows, of a column that counts rows; the sign of a
+    /// wheel that may be mirrored; the gear of a speed of the motor's field.
     pub(in crate::experiment) scale_open: bool,
     /// Whether it is a command that is a share of the battery's voltage.
     pub(in crate::experiment) is_share: bool,

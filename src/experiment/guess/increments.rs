@@ -87,8 +87,8 @@ fn interval(name: &str) -> Option<Interval> {
 const BLOCK: usize = 8;
 /// Fewest blocks that show it.
 const BLOCKS: usize = 40;
-/// Part of the variance of the input that a speed must explain beyond its change, and how many times what an angle would
-/// explain. Speeds explain 0.04 to 0.8 of it and angles less than 0.001, at a ratio of more than 100 either way.
+/// Part of the variance of the input that a speed must explain beyond its change, and how many times what an angle
+/// would explain. Speeds explain 0.04 to 0.8 of it and angles less than 0.001, at a ratio of more than 100 either way.
 const EXPLAINED: f64 = 0.03;
 const RATIO: f64 = 10.0;
 
@@ -135,7 +135,8 @@ pub(super) fn by_values(
 /// u = c + a x'' + b x' + d sgn x'  +  e x + f sgn x
 ///         inertia of an angle         friction and back-EMF of a speed
 /// ```
-/// Without the last two terms the fit loses what only a speed explains, without `x''` and `sgn x'` what only an angle does.
+/// Without the last two terms the fit loses what only a speed explains, without `x''` and `sgn x'` what only an angle
+/// does.
 fn are_speeds(values: &[f64], input: &[f64]) -> bool {
     let rows = values.iter().zip(input).filter(|(x, u)| x.is_finite() && u.is_finite());
     let rows: Vec<(f64, f64)> = rows.map(|(x, u)| (*x, *u)).collect();

@@ -1,4 +1,5 @@
-//! Logs with the newest row first: a time that falls is no countdown if the wheels would accelerate against their input.
+//! Logs with the newest row first: a time that falls is no countdown if the wheels would accelerate against their
+//! input.
 
 use nalgebra::Vector3;
 

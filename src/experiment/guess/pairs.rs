@@ -182,8 +182,8 @@ fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<
     fits.iter().filter(is_one).copied().collect()
 }
 
-/// Other numbered pairs of the same kind that are not variants of the first: of two arms and two wheels, the log does not
-/// state which are the wheels.
+/// Other numbered pairs of the same kind that are not variants of the first: of two arms and two wheels, the log does
+/// not state which are the wheels.
 fn rivals<'a, 'b>(pairs: &[Two<'a, 'b>]) -> Vec<&'a Candidate<'b>> {
     let first = pairs[0].0;
     let alike = |c: &Candidate| {

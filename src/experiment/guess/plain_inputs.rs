@@ -8,7 +8,8 @@ use super::values::{largest, whole};
 const COMMANDS: [&str; 4] = ["command", "commands", "commanded", "cmd"];
 /// Largest PWM of 8 bits, and the smallest largest value that is no fraction of a speed.
 const BITS: (f64, f64) = (20.0, 255.0);
-/// Mean deviation of a speed from its set-point, as a share of the mean set-point: smaller ones are those of a controller.
+/// Mean deviation of a speed from its set-point, as a share of the mean set-point: smaller ones are those of a
+/// controller.
 const FOLLOWED: f64 = 0.4;
 
 /// Input and output of a system, as System Identification Toolbox and most scripts of step tests name them.

@@ -12,8 +12,8 @@ const OTHERS: [&str; 22] = [
 ];
 
 /// Right and left in letters and words that have other meanings alone: Polish and Czech (prawy, lewy), French (droite,
-/// gauche), Spanish (derecha, izquierda), Portuguese (direita, esquerda), Italian (destra, sinistra), Swedish and Danish
-/// (höger, vänster), Finnish (oikea, vasen), Russian, and on board.
+/// gauche), Spanish (derecha, izquierda), Portuguese (direita, esquerda), Italian (destra, sinistra), Swedish and
+/// Danish (höger, vänster), Finnish (oikea, vasen), Russian, and on board.
 const TOGETHER: [(&str, &str); 10] = [
     ("p", "l"),
     ("d", "g"),
@@ -89,8 +89,8 @@ pub(super) fn apply(all: &mut [Candidate]) {
     }
 }
 
-/// Uses two motions in one unit and two inputs in one unit as those of the wheels, in their order, where no name has a known
-/// side and no other is of either: names in a language that is not known. Which is the right one is asked.
+/// Uses two motions in one unit and two inputs in one unit as those of the wheels, in their order, where no name has a
+/// known side and no other is of either: names in a language that is not known. Which is the right one is asked.
 pub(super) fn by_units(all: &mut [Candidate]) {
     let places = |motion: bool| -> Vec<usize> {
         (0..all.len()).filter(|k| is_of(&all[*k], motion) && !all[*k].named.foreign).collect()

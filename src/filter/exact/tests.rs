@@ -1,9 +1,9 @@
 //! The step of the simulation inside the filter: derivatives through stops and reversals against differences of the
 //! likelihood, and the noise of an input whose effect decays within the row.
 //!
-//! The input is held between rows and simulated with the same model, so that nothing is missing. Without noise of the input
-//! the variances of the innovations hardly depend on the parameters; then the score is the slope of the log-likelihood, and
-//! the information that of the score where the innovations vanish.
+//! The input is held between rows and simulated with the same model, so that nothing is missing. Without noise of the
+//! input the variances of the innovations hardly depend on the parameters; then the score is the slope of the
+//! log-likelihood, and the information that of the score where the innovations vanish.
 
 use nalgebra::{DVector, Matrix2};
 use rand::SeedableRng;

@@ -1,7 +1,7 @@
 //! The filter of the default method: its sums against differences of its cost.
 //!
-//! Without noise of the input the variances of the innovations hardly depend on the parameters, so that the score is the
-//! slope of the cost, and, where the innovations vanish, the information that of the score.
+//! Without noise of the input the variances of the innovations hardly depend on the parameters, so that the score is
+//! the slope of the cost, and, where the innovations vanish, the information that of the score.
 
 use nalgebra::DVector;
 

@@ -96,8 +96,8 @@ fn walk<S: Simd, const N: usize, const M: usize>(
         let h = interval.h;
         for step in 0..interval.steps {
             let (mut at, mut slopes) = (w, [[zero; 2]; M]);
-            // place of a stage and of the next one, and its weight in sixths: the steps of `runge_kutta_step`, of several
-            // batches stage by stage, since those of one wait for each other
+            // place of a stage and of the next one, and its weight in sixths: the steps of `runge_kutta_step`, of
+            // several batches stage by stage, since those of one wait for each other
             for (c, next, weight) in
                 [(0.0, 0.5, 1.0), (0.5, 0.5, 2.0), (0.5, 1.0, 2.0), (1.0, 0.0, 1.0)]
             {

@@ -244,7 +244,7 @@ fn every_method_lowers_the_cost_of_its_start_and_its_curve_never_rises() {
 }
 
 #[test]
-fn the_membership_functions_learn_something() {
+fn the_membership_functions_are_adapted() {
     let train = [short(7)];
     let options = "memberships = 3\nepochs = 15";
     let fixed = run("fuzzy_levenberg_marquardt", "memberships = 3", &train, 1);

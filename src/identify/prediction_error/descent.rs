@@ -18,13 +18,13 @@ const NEGLIGIBLE: f64 = 5e-4;
 /// without comparing the cost: the score neglects the dependence of the gain on the parameters, so
 /// the cost need not decrease there.
 const NEAR: f64 = 0.5;
-/// Rise of the cost per row [nats] that such a step may cause: innovations larger by a hundredth (judgement). A larger one
-/// is another motion: a wheel that rests, or turns that diverge.
+/// Rise of the cost per row [nats] that such a step may cause: innovations larger by a hundredth (judgement). A larger
+/// one is another motion: a wheel that rests, or turns that diverge.
 const LEAP: f64 = 0.01;
 /// Damping after the first failure, and its factor.
 const DAMPING: (f64, f64) = (1e-2, 10.0);
-/// Ratio of the inertias of turning and of driving straight below which a step is refused: a radius of gyration of a tenth
-/// of half the track, smaller than that of any robot (judgement).
+/// Ratio of the inertias of turning and of driving straight below which a step is refused: a radius of gyration of a
+/// tenth of half the track, smaller than that of any robot (judgement).
 const VANISHING: f64 = 0.01;
 /// Largest shift of the input in rows.
 const MOST_SHIFT: f64 = 0.5;
@@ -214,8 +214,8 @@ pub(super) fn descend_from(filter: &HorizonFilter, model: &Model, here: Solution
     Solution { status: status.into(), iterations, evaluations, ..here }
 }
 
-/// Whether a step from `before` makes the inertia of turning vanish beside that of driving straight: such a robot has no
-/// turning that the rows resolve, and its simulation takes the more steps the smaller it is.
+/// Whether a step from `before` makes the inertia of turning vanish beside that of driving straight: such a robot has
+/// no turning that the rows resolve, and its simulation takes the more steps the smaller it is.
 fn vanishes(p: &[f64], before: &[f64]) -> bool {
     let ratio = |p: &[f64]| (p[A1] - p[A2]) / (p[A1] + p[A2]);
     ratio(p) < VANISHING && ratio(p) < ratio(before)

@@ -78,9 +78,9 @@ impl Held {
         Some(Self { model, solution, places })
     }
 
-    /// Fixes a2 at zero, as for a mass distributed over the track, if the inertia of turning of `chosen` is larger than that
-    /// of any robot; returns whether it did. If a resistance that is missing in the model prevents the robot from turning
-    /// (tyres that scrub), the estimated inertia of turning grows without limit.
+    /// Fixes a2 at zero, as for a mass distributed over the track, if the inertia of turning of `chosen` is larger than
+    /// that of any robot; returns whether it did. If a resistance that is missing in the model prevents the robot from
+    /// turning (tyres that scrub), the estimated inertia of turning grows without limit.
     pub(super) fn spread_over_track(
         &mut self,
         task: &Task,

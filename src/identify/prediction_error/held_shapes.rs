@@ -20,14 +20,14 @@ pub(super) fn shaped(model: &Model, fit: &Fit) -> Option<Model> {
     Some(shapes(model).fold(model.clone(), |out, j| out.starting_at(j, fit.estimates[j].value)))
 }
 
-/// Sets the standard errors of the shapes that the `regression` of `task` fixed at the values of `fit`, and adds the errors
-/// that these cause to those of the other parameters.
+/// Sets the standard errors of the shapes that the `regression` of `task` fixed at the values of `fit`, and adds the
+/// errors that these cause to those of the other parameters.
 ///
 /// ```text
 /// s_k² → s_k² + Σ_j (∂θ_k/∂θ_j)² s_j²,   j: shapes that were held, ∂ by a regression with shape j moved
 /// ```
-/// A parameter that changes by more than its standard error when an unidentifiable shape is changed by its own value is not
-/// identifiable either.
+/// A parameter that changes by more than its standard error when an unidentifiable shape is changed by its own value is
+/// not identifiable either.
 ///
 /// Source: propagation of errors of a two-step estimate, without the covariance of the steps (Murphy and Topel, J. Bus.
 /// Econ. Stat. 3, 1985).

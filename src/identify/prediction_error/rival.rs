@@ -89,9 +89,9 @@ pub(super) fn unless_it_fails(
     }
 }
 
-/// The fit of a method to a robot as it can be built: if the inertia of turning is smaller than that of any robot, a2 and
-/// a3 are held in the ratio to a1 + a2 that they have in the construction data, and a negative friction that the data do
-/// not determine is held at zero.
+/// The fit of a method to a robot as it can be built: if the inertia of turning is smaller than that of any robot, a2
+/// and a3 are held in the ratio to a1 + a2 that they have in the construction data, and a negative friction that the
+/// data do not determine is held at zero.
 fn of_a_robot(task: &Task, method: &dyn Identifier) -> Option<Fit> {
     let fit = method.identify(task).ok()?;
     let p = parameters(&fit);

@@ -156,7 +156,7 @@ fn short_tests_of_steps_count_as_much_as_long_ramps_where_the_model_is_wrong() {
 }
 
 #[test]
-fn what_straight_driving_does_not_identify_is_held_and_said() {
+fn what_straight_driving_does_not_identify_is_held_and_reported() {
     let model = Model::base(Robot::amigobot());
     let truth = model.initial();
     let segments = [0.4, 0.1, -0.3, -0.1, 0.5, 0.2, -0.5, 0.3, 0.0].map(|speed_m_s| {

@@ -63,6 +63,12 @@ pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
     ("mA", &["ма"]),
 ];
 
+/// Other ways to write a unit of the program, in small letters.
+#[must_use]
+pub fn spellings(unit: &str) -> &'static [&'static str] {
+    SPELLINGS.iter().find(|(name, _)| *name == unit).map_or(&[], |(_, others)| others)
+}
+
 /// The name of a unit in the program, where it is written in another way.
 pub(super) fn synonym(unit: &str) -> &str {
     let written = plain(unit);

@@ -107,8 +107,8 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// Takes the next row, if it has one plain number in each of the required columns and ends within the buffer: parsed
-    /// where it was read, as almost all rows are. `false` for any other row, which is left.
+    /// Takes the next row, if it has one plain number in each of the required columns and ends within the buffer:
+    /// parsed where it was read, as almost all rows are. `false` for any other row, which is left.
     fn take_plain(&mut self, values: &mut [Vec<f64>]) -> Result<bool, IoError> {
         if !self.is_plain || self.header > 0 {
             return Ok(false);
@@ -160,8 +160,8 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Adds the plain numbers of the required `columns` of the row at the front of `text` to their `values`, and returns what
-/// follows the row. `None` for a row of another kind, a comment among them, and for one without its end.
+/// Adds the plain numbers of the required `columns` of the row at the front of `text` to their `values`, and returns
+/// what follows the row. `None` for a row of another kind, a comment among them, and for one without its end.
 #[inline]
 fn plain_row<'t>(
     text: &'t [u8],

@@ -50,8 +50,8 @@ pub(in crate::io) fn lists(path: &Path, layout: &Layout) -> Result<Option<Column
     Ok(Some(columns))
 }
 
-/// Gives columns that are the elements of a list, `position_0`, `position_1`, the names of the joints, where there are as
-/// many.
+/// Gives columns that are the elements of a list, `position_0`, `position_1`, the names of the joints, where there are
+/// as many.
 fn name_elements(columns: &mut Columns, joints: &[String]) {
     let parted = |name: &str| -> Option<(String, usize)> {
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());

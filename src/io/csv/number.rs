@@ -58,9 +58,9 @@ pub(in crate::io) fn duration(text: &str) -> Option<f64> {
 /// Seconds of a day.
 const DAY: f64 = 86400.0;
 
-/// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `3/3/2026 1:00:00 PM`,
-/// `12:00:00.25`. With an offset from UTC it is the time in UTC, since the offset of a log changes when summer time begins
-/// or ends; a zone without an offset shifts all rows alike.
+/// A date with time, or a time of day, in seconds: `2026-03-03T12:00:00.250Z`, `3/3/2026 1:00:00 PM`, `12:00:00.25`.
+/// With an offset from UTC it is the time in UTC, since the offset of a log changes when summer time begins or ends; a
+/// zone without an offset shifts all rows alike.
 fn date_time(text: &str) -> Option<f64> {
     let text = text.trim_matches(['[', ']']).trim();
     let is_half = |word: &str| text.strip_suffix(word).map(str::trim_end);

@@ -13,9 +13,9 @@ type Columns = Vec<(String, Vec<f64>)>;
 /// Number of rows from which a long-form table is detected.
 const LOOKED_AT: usize = 64;
 
-/// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity` of
-/// `left` becomes `velocity.left`. Rows of one time become one row; what a joint does not have at that time is NaN. A
-/// quantity that one joint alone has keeps its name, and one that none has is left out: so are messages of several
+/// The columns of a table that has a row for each joint, with the name or number of the joint in a column: `velocity`
+/// of `left` becomes `velocity.left`. Rows of one time become one row; what a joint does not have at that time is NaN.
+/// A quantity that one joint alone has keeps its name, and one that none has is left out: so are messages of several
 /// kinds in one table. Of tables that stand one below the other, each from the same time on, the rows of one time are
 /// one as well. `None` for any other table.
 ///

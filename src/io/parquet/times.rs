@@ -158,8 +158,8 @@ mod tests {
 
     use crate::io::preview;
 
-    /// Written by pyarrow 26: stamps of nanoseconds in UTC and a duration of microseconds, both of 20 ms a row, and a column
-    /// of numbers.
+    /// Written by pyarrow 26: stamps of nanoseconds in UTC and a duration of microseconds, both of 20 ms a row, and a
+    /// column of numbers.
     const STAMPS: &[u8] = include_bytes!("../../../tests/data/stamps.parquet");
 
     #[test]

@@ -14,8 +14,8 @@ const PARTS: [(&[&str], f64); 2] = [
     ),
 ];
 
-/// Size \[s\] of one in a column that goes on from whole seconds, by its name: `tv_usec` holds microseconds. A name without
-/// unit is that of nanoseconds.
+/// Size \[s\] of one in a column that goes on from whole seconds, by its name: `tv_usec` holds microseconds. A name
+/// without unit is that of nanoseconds.
 #[must_use]
 pub fn part_of_second(name: &str) -> f64 {
     let words = words(name);

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_told_from_their_signals() {
+    fn frames_are_distinguished_from_their_signals() {
         for raw in
             ["(1718.25) can0 141#9C1F00", "  can0  141   [3]  9C 1F 00", " (0.1) vcan1 141 [1] 00"]
         {

@@ -8,8 +8,8 @@ const SEEN: usize = 1 << 16;
 /// Number of bytes whose zeros show UTF-16 without a byte order mark.
 const ZEROS: usize = 256;
 
-/// The encoding of bytes. A byte order mark states it; UTF-16 without one shows by its zeros, since letters and digits have
-/// one in every other byte. Bytes that are not UTF-8 are in an encoding of Windows or of East Asia: the one in
+/// The encoding of bytes. A byte order mark states it; UTF-16 without one shows by its zeros, since letters and digits
+/// have one in every other byte. Bytes that are not UTF-8 are in an encoding of Windows or of East Asia: the one in
 /// which they are words (chardetng, the detector of Firefox).
 fn encoding(bytes: &[u8]) -> &'static Encoding {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
@@ -44,8 +44,8 @@ fn letters(encoding: &'static Encoding, bytes: &[u8]) -> usize {
     encoding.decode_without_bom_handling(bytes).0.chars().filter(|c| c.is_alphabetic()).count()
 }
 
-/// The text of bytes in any encoding, without byte order mark, and whether they are UTF-8 with lines as other systems end
-/// them.
+/// The text of bytes in any encoding, without byte order mark, and whether they are UTF-8 with lines as other systems
+/// end them.
 pub(super) fn decoded(bytes: &[u8]) -> (String, bool) {
     let encoding = encoding(bytes);
     let (text, _) = encoding.decode_with_bom_removal(bytes);

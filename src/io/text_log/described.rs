@@ -1,5 +1,5 @@
-//! Names of columns in comments that number them: `# column 2: right wheel speed [rad/s]`, `# 2) speed`, and several a line,
-//! `%  5  6 Motor voltage [V] left, right: 2.1 2.1`, `% 15 .. 34 Line sensor`.
+//! Names of columns in comments that number them: `# column 2: right wheel speed [rad/s]`, `# 2) speed`, and several a
+//! line, `%  5  6 Motor voltage [V] left, right: 2.1 2.1`, `% 15 .. 34 Line sensor`.
 
 use super::lines::{is_comment, made_up};
 

@@ -106,8 +106,8 @@ struct Above<'a> {
 
 impl Above<'_> {
     /// The lowest line with names, with the units of a line between it and the rows or in the preamble. Lines of one
-    /// attribute of all columns are passed over where they are to be, as `Data-Type,REAL64,Data-Type,REAL64`, and lines that
-    /// are mostly empty.
+    /// attribute of all columns are passed over where they are to be, as `Data-Type,REAL64,Data-Type,REAL64`, and lines
+    /// that are mostly empty.
     fn named(
         &self,
         cells_of: &dyn Fn(&str, char) -> Vec<String>,
@@ -261,8 +261,8 @@ fn grouped(names: &[String], groups: &[String]) -> Vec<String> {
     names.iter().zip(groups).map(one).collect()
 }
 
-/// The columns with the time that the header of LabVIEW states, where the rows have none, and without columns that stand
-/// there twice.
+/// The columns with the time that the header of LabVIEW states, where the rows have none, and without columns that
+/// stand there twice.
 pub(super) fn completed(mut columns: Columns, text: &str) -> Columns {
     let number = |key: &str| -> Option<f64> {
         let line = text.lines().take(PREAMBLE).find(|line| line.starts_with(key))?;

@@ -82,8 +82,8 @@ impl Line {
     }
 }
 
-/// Whether nearly all of the first lines after a preamble are of a few kinds of words and numbers, and are not better read
-/// as a table: there is no table, or one without a header that has labels in separate columns or attached to the
+/// Whether nearly all of the first lines after a preamble are of a few kinds of words and numbers, and are not better
+/// read as a table: there is no table, or one without a header that has labels in separate columns or attached to the
 /// numbers, or lines of several kinds alternate.
 pub(super) fn is_one(lines: &[&str], table: Option<&Table>) -> bool {
     if table.is_some_and(|table| table.header.is_some()) || table.is_none() && is_headed(lines) {
@@ -140,8 +140,8 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     found.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
     let again = || found.iter().filter(|(kind, _)| counts[kind.as_str()] > 1).map(|(_, line)| line);
-    // a tag in capitals before every line (`INFO`, `PID`) and the name of a logger after a level carry no information; other
-    // words may be the quantity
+    // a tag in capitals before every line (`INFO`, `PID`) and the name of a logger after a level carry no information;
+    // other words may be the quantity
     let first = again().next().map_or("", |line| &line.head);
     let is_level = first.split_whitespace().next().is_some_and(|word| LEVELS.contains(&word));
     let is_tag =
@@ -149,8 +149,8 @@ pub(super) fn columns<'a>(lines: impl Iterator<Item = &'a str>) -> Columns {
     record::collected(record::joined(again().map(|line| line.record(!is_tag))))
 }
 
-/// Takes the first number of lines of several kinds for their time, where each kind has a word of its own before it, and
-/// it never falls from line to line: `ENC 0.1 L 3 R 4`, `CUR 0.1 L 1 R 2`.
+/// Takes the first number of lines of several kinds for their time, where each kind has a word of its own before it,
+/// and it never falls from line to line: `ENC 0.1 L 3 R 4`, `CUR 0.1 L 1 R 2`.
 fn timed(lines: &mut [(String, Line)]) {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     lines.iter().for_each(|(kind, _)| *counts.entry(kind).or_default() += 1);
@@ -227,8 +227,8 @@ fn items(text: &str) -> Option<Vec<Item<'_>>> {
     Some(items)
 }
 
-/// Applies the words before the first side to the second one, and the unit after the second side to the first: `wheel vel
-/// L: 3 R: 4 rad/s`.
+/// Applies the words before the first side to the second one, and the unit after the second side to the first: `wheel
+/// vel L: 3 R: 4 rad/s`.
 fn share_words<'a>(items: &mut [Item<'a>]) {
     let side = |word: &str| SIDES.iter().position(|side| word.eq_ignore_ascii_case(side));
     for k in 1..items.len() {

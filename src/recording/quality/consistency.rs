@@ -43,8 +43,8 @@ pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
     crossed(0) == Some(true) && crossed(1) == Some(true)
 }
 
-/// Whether an input opposes the acceleration and has negative work: its sign is then wrong, because friction
-/// and inertia require positive work. In few windows it is the work that shows it: nothing gains speed from rest while its
+/// Whether an input opposes the acceleration and has negative work: its sign is then wrong, because friction and
+/// inertia require positive work. In few windows it is the work that shows it: nothing gains speed from rest while its
 /// motor brakes nearly always, but a wheel that rolls down a slope against a constant brake.
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let Some(fit) = simple_fit(windows, i, i) else { return false };

@@ -6,8 +6,8 @@ use super::{Finding, Issue, Severity, quantile};
 
 /// Ratio of speed to top speed below which a wheel is at rest \[1\].
 const STANDING: f64 = 0.03;
-/// Ratio of the RMS difference (sum) of the wheel speeds to that of their sum (difference) below which turns (travel) are
-/// absent: small differences between the wheels amount to a few percent (judgement).
+/// Ratio of the RMS difference (sum) of the wheel speeds to that of their sum (difference) below which turns (travel)
+/// are absent: small differences between the wheels amount to a few percent (judgement).
 const ABSENT: f64 = 0.1;
 /// Share of standstill that gives a note, and share that gives a warning.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
@@ -21,8 +21,8 @@ pub(crate) enum Lacking {
     Travel,
 }
 
-/// The kind of movement that recordings of two wheels lack together, if one: each of those with any motion lacks it. The
-/// turns of one recording are enough, however fast and long the others drive straight.
+/// The kind of movement that recordings of two wheels lack together, if one: each of those with any motion lacks it.
+/// The turns of one recording are enough, however fast and long the others drive straight.
 pub(crate) fn lacking(recordings: &[Recording]) -> Option<Lacking> {
     if recordings.iter().all(Recording::is_single_axis) {
         return None;

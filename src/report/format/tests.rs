@@ -45,7 +45,7 @@ fn an_estimate_is_written_to_the_digits_of_its_error() {
 }
 
 #[test]
-fn what_the_data_cannot_tell_is_said_in_words() {
+fn what_the_data_do_not_determine_is_stated_in_words() {
     assert_eq!(estimate(f64::NAN, 1.0), "–");
     assert_eq!(estimate(1.234, f64::NAN), "1.2");
     assert_eq!(estimate(f64::INFINITY, 1.0), "not identifiable");

@@ -18,7 +18,8 @@ pub(super) fn y_ticks(scale: &Scale, height: f64) -> Ticks {
     apart(fewest_or_more(scale, count, closest, |_| true), scale, height)
 }
 
-/// Without the labels that would touch the one below, as between the decades of a log axis, or the label of the axis above.
+/// Without the labels that would touch the one below, as between the decades of a log axis, or the label of the axis
+/// above.
 fn apart(mut ticks: Ticks, scale: &Scale, height: f64) -> Ticks {
     let line = TICK_LABEL.line_height();
     let mut last = f64::NEG_INFINITY;

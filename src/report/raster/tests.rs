@@ -206,7 +206,7 @@ fn a_map_widens_one_range_until_a_unit_is_as_long_in_x_as_in_y() {
 }
 
 #[test]
-fn a_drawing_says_in_words_what_it_shows_and_is_as_wide_on_paper_as_its_picture() {
+fn a_drawing_states_in_words_what_it_shows_and_is_as_wide_on_paper_as_its_picture() {
     let panel = Panel::new(Axis::linear("x", "m"), Axis::linear("y", "m")).with(Layer::line(
         vec![(0.0, 0.0), (1.0, 1.0)],
         "",

@@ -1,4 +1,5 @@
-//! When the residual torque is far above its usual size: a wheel that was held, a floor bump, a motor that was switched off.
+//! When the residual torque is far above its usual size: a wheel that was held, a floor bump, a motor that was switched
+//! off.
 
 use crate::diagnose::THRESHOLDS;
 use crate::math::median;

@@ -79,7 +79,8 @@ struct Stair {
 }
 
 impl Stair {
-    /// Mean square error above noise, as a share of that of the `first` model; `None` where that has nothing to explain.
+    /// Mean square error above noise, as a share of that of the `first` model; `None` where that has nothing to
+    /// explain.
     fn left_of(&self, first: &Self) -> Option<f64> {
         let [own, floor] = [self.error, self.floor].map(|v| v * v);
         let whole = explainable(first.error.powi(2), first.floor.powi(2))?;

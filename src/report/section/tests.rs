@@ -69,7 +69,7 @@ fn an_input_in_volts_is_never_shown_in_newton_metres() {
 }
 
 #[test]
-fn an_empty_study_says_that_there_is_no_fit_and_leaves_the_rest_out() {
+fn an_empty_study_states_that_there_is_no_fit_and_leaves_the_rest_out() {
     assert_eq!(ids(&empty()), ["verdict", "provenance"]);
     assert!(render(&empty()).unwrap().html.contains("No method has a fit"));
 }
@@ -101,7 +101,7 @@ fn a_study_whose_methods_all_failed_still_shows_why_and_what_was_recorded() {
 }
 
 #[test]
-fn a_robot_that_nobody_named_does_not_head_the_report_of_measured_data() {
+fn a_robot_without_a_name_does_not_head_the_report_of_measured_data() {
     let mut study = full();
     // the words of the file do not decide
     (study.robot, study.file) = ("some_robot".into(), "title = \"my some_robot\"".into());
@@ -138,7 +138,7 @@ fn short_and_ragged_columns_are_drawn_as_far_as_they_go() {
 }
 
 #[test]
-fn every_section_says_how_to_read_it_in_one_sentence_of_its_own() {
+fn every_section_states_how_to_read_it_in_one_sentence_of_its_own() {
     let ids: HashSet<&str> = all().iter().map(|s| s.id()).collect();
     assert_eq!(ids.len(), all().len());
     for section in all() {
@@ -178,7 +178,7 @@ fn the_verdict_is_the_first_block_of_the_report() {
 }
 
 #[test]
-fn the_guide_says_more_of_every_section_under_its_title() {
+fn the_guide_explains_every_section_under_its_title() {
     let guide = include_str!("../../../docs/guide.md");
     for section in all() {
         let heading = format!("### {}\n", section.title());

@@ -206,47 +206,52 @@ fn cautions(study: &Study) -> Vec<Block> {
     if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
         fit_cautions(study, method, &mut notice);
     }
-    let failed: Vec<String> = study
-        .methods
-        .iter()
-        .filter(|m| m.failure.is_some())
-        .map(|m| words::method(study, m))
-        .collect();
-    if !failed.is_empty() && study.reference.is_some() {
-        let sentence = format!(
-            "{} of {} methods failed: {}.",
-            failed.len(),
-            study.methods.len(),
-            words::list(&failed)
-        );
-        notice(sentence, "The reasons are listed with the methods, below.".into());
-    }
-    if let Some(timing) = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late()) {
-        let sentence = format!(
-            "The motion starts {} ms after the recorded input, later than logging explains; the fit \
-             represents it as an input delay.",
-            format::fixed(1e3 * timing.dead_time_s, 1)
-        );
-        notice(sentence, "A diagnosis distinguishes an input delay from an actuator lag.".into());
-    }
-    if let Some((sentence, remedy)) = rest_offset::notice(study) {
-        notice(sentence, remedy.into());
-    }
-    let found = study.findings();
-    if !found.is_empty() {
-        let sentence = match found.len() {
-            1 => "The check of the recordings found one issue.".to_owned(),
-            many => format!("The check of the recordings found {many} issues."),
-        };
-        // the section on the recordings is not printed
-        let mut said: Vec<String> =
-            found.iter().take(STATED).map(|(files, issue)| format!("{files}: {issue}.")).collect();
-        if found.len() > STATED {
-            said.push("See Recordings, below, for the others.".to_owned());
-        }
-        notice(sentence, said.join(" ").into());
+    let others = [failures(study), late_input(study), rest_offset::notice(study), issues(study)];
+    for (sentence, detail) in others.into_iter().flatten() {
+        notice(sentence, detail.into());
     }
     blocks
+}
+
+/// The methods without a fit.
+fn failures(study: &Study) -> Option<(String, String)> {
+    let failed = study.methods.iter().filter(|m| m.failure.is_some());
+    let failed: Vec<String> = failed.map(|m| words::method(study, m)).collect();
+    if failed.is_empty() || study.reference.is_none() {
+        return None;
+    }
+    let (count, all) = (failed.len(), study.methods.len());
+    let sentence = format!("{count} of {all} methods failed: {}.", words::list(&failed));
+    Some((sentence, "The reasons are listed with the methods, below.".to_owned()))
+}
+
+/// An input delay that was found without a diagnosis.
+fn late_input(study: &Study) -> Option<(String, String)> {
+    let timing = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late())?;
+    let sentence = format!(
+        "The motion starts {} ms after the recorded input, later than logging explains; the fit \
+         represents it as an input delay.",
+        format::fixed(1e3 * timing.dead_time_s, 1)
+    );
+    let detail = "A diagnosis distinguishes an input delay from an actuator lag.";
+    Some((sentence, detail.to_owned()))
+}
+
+/// What the check of the recordings found.
+fn issues(study: &Study) -> Option<(String, String)> {
+    let found = study.findings();
+    let sentence = match found.len() {
+        0 => return None,
+        1 => "The check of the recordings found one issue.".to_owned(),
+        many => format!("The check of the recordings found {many} issues."),
+    };
+    // the section on the recordings is not printed
+    let mut stated: Vec<String> =
+        found.iter().take(STATED).map(|(files, issue)| format!("{files}: {issue}.")).collect();
+    if found.len() > STATED {
+        stated.push("See Recordings, below, for the others.".to_owned());
+    }
+    Some((sentence, stated.join(" ")))
 }
 
 /// Cautions for the use of a fit: no convergence, parameters that are not identifiable.

@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_estimate_beyond_its_range_says_what_that_means() {
+    fn an_estimate_beyond_its_range_states_what_that_means() {
         let of = |value, error| {
             out_of_range(&Estimate::new("f_t", "N m".to_owned(), value, error)).unwrap_or_default()
         };

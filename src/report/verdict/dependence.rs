@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_significant_beside_coloured_noise_says_so() {
+    fn what_is_not_significant_beside_coloured_noise_is_reported_as_such() {
         let given = [curve(Variable::Input1, 0.32, None)];
         let words = of(&given, None);
         assert!(words.contains("for any disturbance; coloured noise"), "{words}");

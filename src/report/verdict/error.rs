@@ -4,8 +4,8 @@ use crate::diagnose::{Errors, THRESHOLDS};
 use crate::report::format;
 use crate::study::FAR_BELOW_FLOOR;
 
-/// "This removes 92 % of the mean square error above the noise floor; …": the error with this number of effects `found`,
-/// `named` by the length of its windows.
+/// "This removes 92 % of the mean square error above the noise floor; …": the error with this number of effects
+/// `found`, `named` by the length of its windows.
 pub(super) fn words(errors: &Errors, found: usize, named: &str) -> String {
     let ratio = errors.ratio();
     if !ratio.is_finite() {
@@ -51,8 +51,8 @@ fn in_perspective(errors: &Errors) -> String {
     }
 }
 
-/// What can cause an error above the floor without a missing effect: the unknown input between the rows, or the uncertainty
-/// of the parameters.
+/// What can cause an error above the floor without a missing effect: the unknown input between the rows, or the
+/// uncertainty of the parameters.
 pub(in crate::report) fn caused(errors: &Errors) -> Option<&'static str> {
     if !errors.above_input() {
         Some("no more than the input between its rows can cause")

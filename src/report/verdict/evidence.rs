@@ -6,8 +6,8 @@ use crate::diagnose::{Errors, explainable};
 use crate::report::format::fixed;
 use crate::study::{CandidateStudy, DiagnosisStudy};
 
-/// "removes 92 % of the mean square error above the noise floor: the 2 s simulation error falls from …"; for a candidate
-/// without computed errors, the likelihood ratios of the screening.
+/// "removes 92 % of the mean square error above the noise floor: the 2 s simulation error falls from …"; for a
+/// candidate without computed errors, the likelihood ratios of the screening.
 #[must_use]
 pub fn evidence(candidate: &CandidateStudy, diagnosis: &DiagnosisStudy) -> String {
     stated(candidate, &diagnosis.errors, &judged_error(diagnosis))
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_does_not_fall_is_not_said_to_be_removed() {
+    fn an_error_that_does_not_fall_is_not_reported_as_removed() {
         assert_eq!(
             said(0.25, 0.15),
             "removes 67 % of the mean square error above the noise floor: the 2 s simulation error falls from 0.2500 to \

@@ -1,11 +1,10 @@
 //! The name of the simulation error, with the length of its windows.
 
+use crate::compare::WINDOW;
 use crate::study::Study;
 
-/// Length of a window \[s\] of recordings that are as long.
-const WINDOW: f64 = 2.0;
-
-/// "2 s simulation error"; of judged recordings that are all shorter, with the longest of them: "0.5 s simulation error".
+/// "2 s simulation error"; of judged recordings that are all shorter, with the longest of them: "0.5 s simulation
+/// error".
 #[must_use]
 pub fn simulation_error(study: &Study) -> String {
     let durations = study.judged().into_iter().map(|r| study.recordings[r].duration_s);

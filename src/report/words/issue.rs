@@ -10,7 +10,8 @@ use crate::recording::{
 /// Names of the wheels in sentences.
 const WHEELS: [&str; 2] = ["wheel 1 (right)", "wheel 2 (left)"];
 
-/// The unit behind the value of an input. A voltage may be a command in units of its own (PWM), of which none is stated.
+/// The unit behind the value of an input. A voltage may be a command in units of its own (PWM), of which none is
+/// stated.
 fn unit_after(unit: DriveUnit) -> String {
     if unit == DriveUnit::Volt { String::new() } else { format!(" {}", unit.symbol()) }
 }

@@ -23,8 +23,8 @@ pub(crate) struct Realisation<'a> {
     pub(crate) starts: &'a [State],
 }
 
-/// Simulated speeds [rad/s] in the rows of all `windows`, one window after the other, of every realisation; NaN in windows
-/// that diverge. `None` if the model is not simulated in lanes.
+/// Simulated speeds [rad/s] in the rows of all `windows`, one window after the other, of every realisation; NaN in
+/// windows that diverge. `None` if the model is not simulated in lanes.
 ///
 /// Each realisation equals a simulation of its own to rounding.
 ///

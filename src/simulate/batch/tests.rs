@@ -70,7 +70,7 @@ fn lanes_equal_single_simulations_through_stops_reversals_and_rest() {
 }
 
 #[test]
-fn a_lane_that_diverges_says_so_and_leaves_the_others_alone() {
+fn a_lane_that_diverges_is_reported_and_leaves_the_others_alone() {
     let model = Model::base(Robot::amigobot());
     let t: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
     let torque = vec![[40.0, -3.0]; 500];

@@ -238,7 +238,8 @@ impl Mechanics {
         [-pull * mass * away.cos(), -pull * self.frame * self.behind * away.sin()]
     }
 
-    /// Force along the heading [N] and torque about A [N m] of a caster that slides behind the axle, against its velocity.
+    /// Force along the heading [N] and torque about A [N m] of a caster that slides behind the axle, against its
+    /// velocity.
     fn slide(&self, v: f64, b: f64) -> [f64; 2] {
         let [level, share] = self.resistance.sliding;
         if level == 0.0 {

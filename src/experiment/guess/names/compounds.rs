@@ -19,8 +19,8 @@ const COMPOUNDS: [&str; 13] = [
     "varvtal",
 ];
 
-/// Parts the words of languages that put them together: `motorstrom` has motor and strom. The `rad` of `raddrehzahl` is a
-/// wheel.
+/// Parts the words of languages that put them together: `motorstrom` has motor and strom. The `rad` of `raddrehzahl` is
+/// a wheel.
 pub(super) fn part(words: &mut Vec<String>) {
     let ending = |word: &String| {
         let is_whole = is_quantity(word);

@@ -14,8 +14,8 @@ pub(super) fn many(unit: &str) -> (Option<f64>, &str) {
     if number.is_some() && !rest.starts_with('/') { (number, rest) } else { (None, unit) }
 }
 
-/// What stands before `*10`, ` x10` or `/10` at the end, and how many of its unit are one: a value that was multiplied by 10
-/// is a tenth of a unit.
+/// What stands before `*10`, ` x10` or `/10` at the end, and how many of its unit are one: a value that was multiplied
+/// by 10 is a tenth of a unit.
 pub(super) fn multiplied(text: &str) -> (Option<f64>, &str) {
     let by = |sign: char| {
         let (before, number) = text.trim_end().rsplit_once(sign)?;

@@ -57,8 +57,8 @@ const OTHERS: [&str; 50] = [
     "odleglosc",
 ];
 
-/// Whether words are those of such a quantity. `ir` with a side of its own is an infrared sensor; alone it is the current
-/// of the right motor.
+/// Whether words are those of such a quantity. `ir` with a side of its own is an infrared sensor; alone it is the
+/// current of the right motor.
 pub(super) fn is_foreign(words: &[String]) -> bool {
     let has_side = || words.iter().any(|w| side(w).is_some());
     words.iter().any(|w| OTHERS.contains(&w.as_str()) || w == "ir" && has_side())

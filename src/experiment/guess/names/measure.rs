@@ -17,7 +17,8 @@ pub(super) struct Measure {
 }
 
 impl Measure {
-    /// Takes unit and factor off the words of a name with the factor `times`, a text in brackets, and a unit in front of it.
+    /// Takes unit and factor off the words of a name with the factor `times`, a text in brackets, and a unit in front
+    /// of it.
     pub(super) fn taken(
         words: &mut Vec<String>,
         times: Option<f64>,

@@ -2,6 +2,7 @@
 
 use super::interpreted::Quantity;
 use super::words::{LENGTHS, WEAK, is_quantity, take_quantity};
+use crate::io::spellings;
 
 /// Removes the unit from the end of the words. A single letter is kept if another word denotes a quantity
 /// with other units: `a` of `speed_a` is a motor.
@@ -128,7 +129,9 @@ pub(super) fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {
 }
 
 fn listed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
-    let found = UNITS.iter().find(|(words, ..)| words.contains(&text));
+    let found = UNITS.iter().find(|(words, unit, _)| {
+        words.contains(&text) || spellings(unit).contains(&text) && !OTHER_WORDS.contains(&text)
+    });
     found.map(|(_, unit, of)| (*unit, *of))
 }
 
@@ -156,12 +159,13 @@ fn a_second(text: &str) -> Option<(&'static str, Option<Quantity>)> {
 /// A unit in brackets; `min`, `h`, `ft` and `in` are words of other names without them.
 pub(super) fn bracketed(text: &str) -> Option<(&'static str, Option<Quantity>)> {
     match text {
-        "min" | "minute" | "minutes" => Some(("min", None)),
-        "h" | "hr" | "hrs" | "hour" | "hours" => Some(("h", None)),
-        "d" | "day" | "days" => Some(("d", None)),
         "ft" => Some(("ft", Some(Quantity::Angle))),
         "in" => Some(("in", Some(Quantity::Angle))),
-        _ => unit(text),
+        _ => {
+            let time = ["min", "h", "d"].into_iter();
+            let time = time.filter(|unit| *unit == text || spellings(unit).contains(&text));
+            time.map(|unit| (unit, None)).next().or_else(|| unit(text))
+        }
     }
 }
 
@@ -183,9 +187,12 @@ fn take_unit(words: &mut Vec<String>) -> Option<(&'static str, Option<Quantity>)
     None
 }
 
-/// Endings of a name that are a unit: as written, unit of the program, and whether it says the quantity
-/// by itself.
-const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
+/// Spellings of units that are words of other names: frames and instructions per second, a counter of rows.
+const OTHER_WORDS: [&str; 3] = ["fps", "ips", "count"];
+
+/// Endings of a name that are a unit, beside its spellings in the columns of an experiment file
+/// ([`crate::io::spellings`]): as written, unit of the program, and the quantity if the unit alone determines it.
+const UNITS: [(&[&str], &str, Option<Quantity>); 38] = [
     (&["mm/s", "mmps", "mmpersec", "mmpersecond"], "mm/s", Some(Quantity::Speed)),
     (&["cm/s", "cmps", "cmpersec", "cmpersecond"], "cm/s", Some(Quantity::Speed)),
     (
@@ -197,23 +204,18 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
             "mpersec",
             "mpers",
             "mps",
-            "m/sec",
             "m/s",
         ],
         "m/s",
         Some(Quantity::Speed),
     ),
+    (&["ft/s", "ftpers", "ftpersec", "feetpersec", "feetpersecond"], "ft/s", Some(Quantity::Speed)),
     (
-        &["ft/s", "ft/sec", "ftpers", "ftpersec", "feetpersec", "feetpersecond"],
-        "ft/s",
-        Some(Quantity::Speed),
-    ),
-    (
-        &["in/s", "in/sec", "inpers", "inpersec", "inchespersec", "inchespersecond"],
+        &["in/s", "inpers", "inpersec", "inchespersec", "inchespersecond"],
         "in/s",
         Some(Quantity::Speed),
     ),
-    (&["km/h", "kmh", "kph", "kmperh", "kmperhour"], "km/h", Some(Quantity::Speed)),
+    (&["km/h", "kmperh", "kmperhour"], "km/h", Some(Quantity::Speed)),
     (
         &[
             "radianspersecond",
@@ -223,26 +225,13 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
             "radps",
             "rads",
             "radsec",
-            "rad/sec",
-            "rads/s",
             "rad/s",
-            "рад/с",
         ],
         "rad/s",
         Some(Quantity::Speed),
     ),
     (
-        &[
-            "degreespersecond",
-            "degreespersec",
-            "degpersec",
-            "degpers",
-            "degps",
-            "dps",
-            "deg/sec",
-            "°/s",
-            "deg/s",
-        ],
+        &["degreespersecond", "degreespersec", "degpersec", "degpers", "degps", "deg/s"],
         "deg/s",
         Some(Quantity::Speed),
     ),
@@ -254,45 +243,15 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
             "revpersec",
             "revpers",
             "rev/s",
-            "rev/sec",
-            "rot/s",
-            "rps",
             "turnspersecond",
-            "turn/s",
-            "turns/s",
         ],
         "rev/s",
         Some(Quantity::Speed),
     ),
-    (
-        &[
-            "rotationsperminute",
-            "rpm",
-            "转/分",
-            "回転/分",
-            "1/min",
-            "r/min",
-            "u/min",
-            "rev/min",
-            "tr/min",
-            "giri/min",
-            "об/мин",
-            "obr/min",
-            "varv/min",
-            "omw/min",
-            "toeren/min",
-            "omdr/min",
-            "ot/min",
-        ],
-        "rpm",
-        Some(Quantity::Speed),
-    ),
+    (&["rotationsperminute", "rpm"], "rpm", Some(Quantity::Speed)),
     (
         &[
             "ticks/s",
-            "ticks/sec",
-            "counts/s",
-            "counts/sec",
             "tickspersecond",
             "tickspersec",
             "countspersecond",
@@ -300,7 +259,6 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
             "tickspers",
             "countspers",
             "cps",
-            "tps",
             "qpps",
             "pps",
         ],
@@ -309,41 +267,29 @@ const UNITS: [(&[&str], &str, Option<Quantity>); 39] = [
     ),
     (&["mrad/s", "mrad/sec", "mradps", "mradpers", "mradpersec"], "mrad/s", Some(Quantity::Speed)),
     (&["mrad"], "mrad", Some(Quantity::Angle)),
-    (&["radians", "rad", "рад"], "rad", Some(Quantity::Angle)),
-    (
-        &[
-            "degrees", "degree", "deg", "grad", "graden", "grados", "gradi", "graus", "degrés",
-            "degres", "stopnie", "grader",
-        ],
-        "deg",
-        Some(Quantity::Angle),
-    ),
-    (
-        &["rotations", "rotation", "revolutions", "turns", "turn", "revs", "rev", "rot"],
-        "rev",
-        Some(Quantity::Angle),
-    ),
-    (&["ticks", "tick", "counts", "cnt", "pulses"], "ticks", Some(Quantity::Angle)),
+    (&["radians", "rad"], "rad", Some(Quantity::Angle)),
+    (&["deg", "grad"], "deg", Some(Quantity::Angle)),
+    (&["rotations", "rotation", "revolutions", "rev"], "rev", Some(Quantity::Angle)),
+    (&["ticks", "cnt", "pulses"], "ticks", Some(Quantity::Angle)),
     (&["meters", "metres"], "m", None),
     (&["centimeters", "centimetres", "cm"], "cm", Some(Quantity::Angle)),
     (&["millimeters", "millimetres", "mm"], "mm", Some(Quantity::Angle)),
-    (&["feet", "foot"], "ft", Some(Quantity::Angle)),
-    (&["inches", "inch"], "in", Some(Quantity::Angle)),
-    (&["毫秒", "ミリ秒", "밀리초"], "ms", Some(Quantity::Time)),
-    (&["milliseconds", "millis", "msec", "ms", "мс"], "ms", Some(Quantity::Time)),
+    (&[], "ft", Some(Quantity::Angle)),
+    (&[], "in", Some(Quantity::Angle)),
+    (&["milliseconds", "millis", "msec", "ms"], "ms", Some(Quantity::Time)),
     (&["microseconds", "micros", "usec", "us"], "us", Some(Quantity::Time)),
     (&["nanoseconds", "ns"], "ns", Some(Quantity::Time)),
-    (&["milliamps", "ma", "ма"], "mA", Some(Quantity::Current)),
-    (&["amperes", "ampere", "amps", "amp", "a", "а"], "A", Some(Quantity::Current)),
+    (&["milliamps", "ma"], "mA", Some(Quantity::Current)),
+    (&["a"], "A", Some(Quantity::Current)),
     (&["millivolts", "mv"], "mV", Some(Quantity::Voltage)),
-    (&["volts", "volt", "v", "в"], "V", Some(Quantity::Voltage)),
+    (&["v"], "V", Some(Quantity::Voltage)),
     (&["mnm"], "mN m", Some(Quantity::Torque)),
     (&["nmm"], "N mm", Some(Quantity::Torque)),
     (&["ncm"], "N cm", Some(Quantity::Torque)),
-    (&["kgfcm", "kgcm"], "kgf cm", Some(Quantity::Torque)),
-    (&["ozin", "ozfin", "inoz"], "oz in", Some(Quantity::Torque)),
-    (&["lbin", "lbfin", "inlb"], "lb in", Some(Quantity::Torque)),
-    (&["lbft", "lbfft", "ftlb"], "lb ft", Some(Quantity::Torque)),
-    (&["newtonmeters", "newtonmetres", "nm", "нм"], "N m", Some(Quantity::Torque)),
-    (&["seconds", "second", "secs", "sec", "sek", "seg", "s", "с", "秒", "초"], "s", None),
+    (&["kgfcm"], "kgf cm", Some(Quantity::Torque)),
+    (&["ozin"], "oz in", Some(Quantity::Torque)),
+    (&[], "lb in", Some(Quantity::Torque)),
+    (&[], "lb ft", Some(Quantity::Torque)),
+    (&["newtonmeters", "newtonmetres", "nm"], "N m", Some(Quantity::Torque)),
+    (&["s"], "s", None),
 ];

@@ -193,7 +193,7 @@ fn torques_in_whole_numbers_are_asked_for() {
 }
 
 #[test]
-fn days_of_a_calendar_are_known_by_their_size() {
+fn days_of_a_calendar_are_recognised_by_their_size() {
     for start in [739_373.416_7, 45_413.416_7, 19_844.416_7] {
         let g = guess(&[
             column("datenum", |t| start + t / 86_400.0),
@@ -309,7 +309,7 @@ fn angles_that_turn_too_fast_and_positions_with_their_slopes_are_asked_for() {
 }
 
 #[test]
-fn columns_that_all_go_with_each_other_are_said_to_be_no_slopes() {
+fn columns_that_are_all_proportional_are_reported_as_no_slopes() {
     let constant = |name: &str, by: f64| column(name, move |t| by + 1e-3 * t);
     let g =
         guess(&[column("t", |t| t), constant("a", 1.0), constant("b", 2.0), constant("c", 3.0)]);

@@ -11,8 +11,8 @@ use crate::study::{MethodStudy, Study};
 /// would hide the others (judgement).
 const WIDE: f64 = 5.0;
 
-/// Deviations of the estimates from the true value, or from the reference method: one panel per parameter; empty if there
-/// is nothing to compare.
+/// Deviations of the estimates from the true value, or from the reference method: one panel per parameter; empty if
+/// there is nothing to compare.
 pub(super) fn figure(study: &Study, physical: &[&MethodStudy]) -> Option<Figure> {
     if study.truth.is_empty() && physical.len() < 2 {
         return None;
