@@ -79,7 +79,7 @@ impl<'a> AsRecorded<'a> {
         self.rivals.get_or_init(|| {
             let Some((plain, p)) = self.fit().zip(self.fitted()) else { return vec![] };
             let fitted = |(model, p): (Model, Vec<f64>)| {
-                let timed = with_timing(&model, &self.scale)?;
+                let timed = with_timing(&model, self.hold, &self.scale)?;
                 let start: Vec<f64> = p.into_iter().chain([plain.time_s()]).collect();
                 let fit = fit(&plain.windows, &timed, &start, &self.scale)?;
                 Some(Rival { model, fit })

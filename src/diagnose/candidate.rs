@@ -138,6 +138,12 @@ impl Candidate {
         matches!(self.effect.change(), Change::Input | Change::TimeShift)
     }
 
+    /// Whether it limits the input or removes a part of it: a shape without a coefficient.
+    #[must_use]
+    pub fn clips(&self) -> bool {
+        self.is_of_input() && self.linear.is_empty() && !self.is_shift()
+    }
+
     fn signals(
         &self,
         recordings: &[&Recording],

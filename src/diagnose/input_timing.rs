@@ -17,14 +17,19 @@ pub const SYMBOL: &str = "input_shift";
 /// The recorded input acts `shift` seconds later, within what logging explains.
 ///
 /// ```text
-/// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom)
+/// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom), or, of a held input, its mean over each row
 /// ```
+/// A cubic through a held command would let it act before it was given: its answer to the noise of the next speed would
+/// agree with that speed.
+///
 /// It is fitted with every model, so that a wrong time base is not attributed to physics, nor physics to a
 /// wrong time base.
 #[derive(Clone, Debug)]
 pub(super) struct InputTiming {
     /// Smallest and largest shift \[s\].
     pub(super) limits: (f64, f64),
+    /// The input between the rows.
+    pub(super) hold: Hold,
 }
 
 impl Physics for InputTiming {
@@ -67,7 +72,10 @@ impl Physics for InputTiming {
     }
 
     fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
-        Some(later(t, m, p[0]))
+        Some(match self.hold {
+            Hold::Linear => later(t, m, p[0]),
+            Hold::Constant => mean_later(t, m, p[0]),
+        })
     }
 }
 
@@ -109,6 +117,32 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     let mut row = 0;
     t.iter().map(|&now| between_rows(t, m, -shift + now, &mut row)).collect()
+}
+
+/// A signal that is held from each row to the next, delayed by `shift` seconds: its mean over each row; the end values are
+/// held.
+fn mean_later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
+    let last = t.len() - 1;
+    if last == 0 {
+        return m.to_vec();
+    }
+    let length = |k: usize| if k < last { t[k + 1] - t[k] } else { t[last] - t[last - 1] };
+    // integral from the first row on, a line between the rows
+    let mut sums = vec![[T::from(0.0); 2]];
+    for k in 0..last {
+        let sum = sums[k];
+        sums.push([0, 1].map(|i| sum[i] + m[k][i] * length(k)));
+    }
+    let integral = |at: T| {
+        // at a row the derivative is that of a later input
+        let k = t.partition_point(|row| *row < at.value()).saturating_sub(1);
+        [0, 1].map(|i| sums[k][i] + m[k][i] * (at - t[k]))
+    };
+    let mean = |k: usize| {
+        let (from, to) = (integral(-shift + t[k]), integral(-shift + (t[k] + length(k))));
+        [0, 1].map(|i| (to[i] - from[i]) * (1.0 / length(k)))
+    };
+    (0..t.len()).map(mean).collect()
 }
 
 /// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is
@@ -187,7 +221,9 @@ pub(super) fn each_shifted(
 
 #[cfg(test)]
 mod tests {
-    use super::{between_rows, later};
+    use super::{between_rows, later, mean_later};
+    use crate::recording::{Channels, DriveUnit, Recording};
+    use crate::simulate::held_later;
 
     #[test]
     fn a_parabola_is_shifted_exactly_inside_and_held_at_the_ends() {
@@ -211,5 +247,25 @@ mod tests {
                 assert_eq!(between_rows(&t, &m, -shift + t[k], &mut row), whole[k]);
             }
         }
+    }
+
+    #[test]
+    fn a_held_input_acts_no_earlier_than_it_was_given() {
+        let t: Vec<f64> = (0..50).map(|k| 0.01 * f64::from(k) + 1e-3 * f64::from(k % 3)).collect();
+        let m: Vec<[f64; 2]> = (0..50).map(|k| [f64::from(k * k % 7), f64::from(k % 5)]).collect();
+        let channels =
+            Channels { alpha: None, omega: Some(m.clone()), torque: m.clone(), t: t.clone() };
+        let recording = Recording::new("held", channels, DriveUnit::NewtonMetre).unwrap();
+        for shift in [-0.013, 0.0, 0.004, 0.025] {
+            let (found, same) = (mean_later(&t, &m, shift), held_later(&recording, &m, shift));
+            // behind the last row its length is a convention
+            for k in 0..t.len() - 1 {
+                assert!((0..2).all(|i| (found[k][i] - same[k][i]).abs() < 1e-10), "{k} {shift}");
+            }
+        }
+        let mut other = m.clone();
+        other[30] = [100.0; 2];
+        let [one, other] = [&m, &other].map(|m| mean_later(&t, m, 0.002));
+        assert_eq!(one[..30], other[..30]);
     }
 }

@@ -124,7 +124,7 @@ fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on
         for truth in [Hold::Constant, Hold::Linear] {
             let mut recording = stepped(&[], truth, seed, |rows| rows);
             let first = started(&model, &mut recording);
-            let held = held_input(&model, &first, &[&recording]);
+            let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear));
             assert_eq!(held.is_some(), truth == Hold::Constant, "{seed}");
         }
     }
@@ -141,7 +141,7 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     late[0] = late[1];
     recording = recording.with_torque(late);
     let first = started(&model, &mut recording);
-    let held = held_input(&model, &first, &[&recording]).unwrap();
+    let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
     // the balance of torques a row late is off by more
     let off = |p: &[f64]| (p[A1] / truth[A1] - 1.0).abs();
     assert!(off(&held) < 0.03 && off(&first) > 2.0 * off(&held), "{held:?} {first:?}");

@@ -94,7 +94,9 @@ impl Place<'_> {
         if model.shifts_input() {
             return model.clone();
         }
-        model.add_effect(Arc::new(InputTiming { limits })).unwrap_or_else(|_| model.clone())
+        model
+            .add_effect(Arc::new(InputTiming { limits, hold: self.hold }))
+            .unwrap_or_else(|_| model.clone())
     }
 }
 

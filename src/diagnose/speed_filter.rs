@@ -277,7 +277,7 @@ impl Search<'_, '_> {
         let left = |effect: Box<dyn Effect>| {
             let timed = match effect.is_delay() {
                 true => self.model.clone(),
-                false => with_timing(self.model, self.scale)?,
+                false => with_timing(self.model, windows.hold, self.scale)?,
             };
             let mut start = found.clone();
             start.resize(timed.parameters().len(), 0.0);

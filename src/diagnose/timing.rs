@@ -86,6 +86,17 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
     let simulated = in_simulation(model, p, &starts, (recordings, hold), &scale);
     let shift = simulated.and_then(|s| s.shift);
+    if std::env::var("DBG").is_ok() {
+        eprintln!(
+            "TIMING coarse {:.5} balanced {:?} starts {:?} sim {:?} err {:?} p {:?}",
+            coarse.shift,
+            *balanced,
+            starts,
+            shift,
+            simulated.map(|s| s.error),
+            p
+        );
+    }
     // a model above the floor whose simulation fits no time lacks what the balance takes for one
     if shift.is_none() && simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor) {
         return None;
@@ -218,6 +229,11 @@ impl Timed<'_> {
         self.fit.p[self.shift]
     }
 
+    /// Standard error of that \[s\].
+    pub(super) fn std_error_s(&self) -> f64 {
+        self.fit.covariance[(self.shift, self.shift)].sqrt()
+    }
+
     /// Whether the motion is later than logging explains \[s\].
     pub(super) fn is_late(&self, logging: f64) -> bool {
         self.shift_less_errors(1.0) > logging
@@ -230,8 +246,7 @@ impl Timed<'_> {
 
     /// The shift less so many times its uncertainty \[s\].
     fn shift_less_errors(&self, times: f64) -> f64 {
-        let (j, fit) = (self.shift, &self.fit);
-        fit.p[j] - times * (THRESHOLDS.uncertain * fit.covariance[(j, j)].sqrt())
+        self.time_s() - times * (THRESHOLDS.uncertain * self.std_error_s())
     }
 
     /// Ratio of the error of the windows to its value under noise.
@@ -287,7 +302,7 @@ fn timed_over<'a>(
     windows: Windows<'a>,
     scale: &Scale,
 ) -> Option<Timed<'a>> {
-    let timed = with_timing(model, scale)?;
+    let timed = with_timing(model, windows.hold, scale)?;
     let shift = timed.index_of(SYMBOL).ok()?;
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &timed, &from, scale)?;
@@ -295,12 +310,12 @@ fn timed_over<'a>(
 }
 
 /// The model with a time of its input over the whole range.
-pub(super) fn with_timing(model: &Model, scale: &Scale) -> Option<Model> {
+pub(super) fn with_timing(model: &Model, hold: Hold, scale: &Scale) -> Option<Model> {
     let limits = (
         THRESHOLDS.earliest * scale.step,
         THRESHOLDS.longest_delay_s.max(-THRESHOLDS.earliest * scale.step),
     );
-    model.add_effect(Arc::new(InputTiming { limits })).ok()
+    model.add_effect(Arc::new(InputTiming { limits, hold })).ok()
 }
 
 /// Some windows of 1 s of `recordings`, weighted for a model at `p`.

@@ -318,7 +318,7 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
 fn fitted_to_held(plan: &Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    held_input(&plan.model, start, &recordings)
+    held_input(&AsRecorded::new(&plan.model, start, &recordings, Hold::Linear))
 }
 
 #[cfg(test)]

@@ -19,7 +19,10 @@ impl Search<'_> {
     ) -> Result<WindowFit, IdentifyError> {
         let timed = match model.shifts_input() {
             true => model.clone(),
-            false => model.add_effect(Arc::new(InputTiming { limits: self.range }))?,
+            false => model.add_effect(Arc::new(InputTiming {
+                limits: self.range,
+                hold: self.windows.hold,
+            }))?,
         };
         let lowest = |starts: &[Vec<f64>]| {
             let fits = starts.iter().filter_map(|start| {

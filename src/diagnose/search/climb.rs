@@ -58,17 +58,20 @@ impl Search<'_> {
     fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> Climbed {
         let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
         let mut rankings = vec![first];
-        let mut shown = self.shown(base);
+        let (mut present, mut shown) = (base.clone(), self.shown(base));
         while tried.len() < self.settings.max_effects {
             let ranking = rankings.last_mut().expect("there is one per step");
             // no accepted sequence may contain a step that does not lower the reported error
-            let Some((n, next)) = self.first_that_lowers(ranking, shown) else { break };
+            let floor = self.judge.floor(&present.model, &present.p).expected;
+            let now = (shown, shown <= floor);
+            let Some((n, next)) = self.first_that_lowers(ranking, now) else { break };
             ranking[..=n].rotate_right(1);
             self.compare_with_first(ranking);
             let mut best = ranking[0].clone();
             let Some(refit) = best.refit.take().map(|fit| self.released(fit)) else { break };
             shown = next.min(self.shown(&refit));
             best.refit = Some(refit.clone());
+            present = refit.clone();
             tried.push((best, equals(ranking)));
             rankings.push(self.rank(&refit, false));
         }
@@ -83,11 +86,18 @@ impl Search<'_> {
     /// simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if
     /// the input between the rows leaves its size open, the first later one is taken that has a size and is hardly less
     /// probable. Of effects that the training recordings do not distinguish, one that predicts held-out recordings
-    /// better by a relevant share is taken.
-    fn first_that_lowers(&self, ranking: &[Ranked], shown: f64) -> Option<(usize, f64)> {
+    /// better by a relevant share is taken. If the present error is `at_floor`, an effect that clips the input clips noise of
+    /// its record, which is part of the floor.
+    fn first_that_lowers(
+        &self,
+        ranking: &[Ranked],
+        (shown, at_floor): (f64, bool),
+    ) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
-        let mut sized = fits.filter(|(_, id, fit)| has_size(fit, id));
+        let mut sized = fits.filter(|(n, id, fit)| {
+            has_size(fit, id) && !(at_floor && ranking[*n].candidate.clips())
+        });
         let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
         let lowers = |one: &(usize, &String, &WindowFit, f64)| self.lowers(shown, one.3, one.2);
         let (first, id, fit, error) = sized.by_ref().filter_map(with_error).find(lowers)?;
@@ -179,7 +189,7 @@ mod tests {
             // the evidence of the training recordings for the wrong effect is larger, by less than decides
             ranking.sort_by_key(|r| r.candidate.id == "turning_scrub");
             ranking[0].bic = ranking[1].bic - 0.5 * THRESHOLDS.alike;
-            let (first, _) = search.first_that_lowers(&ranking, f64::INFINITY).unwrap();
+            let (first, _) = search.first_that_lowers(&ranking, (f64::INFINITY, false)).unwrap();
             ranking[first].candidate.id.clone()
         };
         assert_eq!(added(&validation), "turning_scrub");

@@ -67,11 +67,10 @@ impl Search<'_> {
         let first = others.min_by(|a, b| before(a, b)).map(|r| (r.bic, r.bic_windows));
         for r in ranked.iter_mut().filter(|r| r.refit.is_some() && of_input(r)) {
             let by_regression = self.bic(&r.candidate, r.by_regression);
-            let clips = r.candidate.linear.is_empty() && !r.candidate.is_shift();
             r.bic = match first {
                 // a dead zone can fit noise by clipping small torques, so the torque balance must
                 // also support it
-                _ if clips && by_regression > -THRESHOLDS.alike => f64::INFINITY,
+                _ if r.candidate.clips() && by_regression > -THRESHOLDS.alike => f64::INFINITY,
                 Some((bic, by_windows)) if r.bic_windows < 0.0 => {
                     bic + 2.0 * (r.bic_windows - by_windows)
                 }

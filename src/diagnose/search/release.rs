@@ -2,6 +2,10 @@
 
 use super::Search;
 use crate::diagnose::fit::{WindowFit, fit};
+use crate::model::base::{A4, A5};
+
+/// Friction from which a fit starts, as a share of the largest input.
+const LEAST: f64 = 1e-3;
 
 impl Search<'_> {
     /// The fit with the parameters estimated that were held because the fit of the model as given did not determine them
@@ -20,7 +24,14 @@ impl Search<'_> {
             return held;
         }
         let model = fixed.iter().fold(held.model.clone(), |model, &j| model.estimating(j));
-        let Some(free) = fit(&self.windows, &model, &held.p, &self.scale) else { return held };
+        // where there is no friction, nothing changes with its direction
+        let least = LEAST * self.scale.torque_quantile(1.0);
+        let mut start = held.p.clone();
+        fixed
+            .iter()
+            .filter(|j| matches!(**j, A4 | A5))
+            .for_each(|&j| start[j] = start[j].max(least));
+        let Some(free) = fit(&self.windows, &model, &start, &self.scale) else { return held };
         let gain = self.degrees * (held.cost / free.cost).ln();
         let known = fixed.iter().all(|&j| free.covariance[(j, j)].is_finite());
         let supported = gain > fixed.len() as f64 * self.degrees.ln();

@@ -252,7 +252,8 @@ pub(super) fn is_percent(name: &str) -> bool {
 /// The smallest full scale of controllers that contains the value; for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
     let lower = name.to_lowercase();
-    if (is_percent(&lower) || name.contains('%')) && top <= 100.0 {
+    // no robot moves by one percent: up to one, a share is named so
+    if (is_percent(&lower) || name.contains('%')) && top > 1.0 && top <= 100.0 {
         return 100.0;
     }
     let is_pwm = lower.contains("pwm") && top > 1.0;

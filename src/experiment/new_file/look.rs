@@ -73,8 +73,25 @@ impl Looked {
             out.kinds.push(kind);
             out.recordings.push(path.clone());
         }
+        if guess.one_axis {
+            guess.ask_all(one_wheel_each(recordings));
+        }
         Ok(out)
     }
+}
+
+/// The question about two files that, by their names, have one wheel each.
+fn one_wheel_each(recordings: &[PathBuf]) -> Option<String> {
+    let name = |path: &Path| path.file_name().map(|n| n.to_string_lossy().to_lowercase());
+    let names: Vec<String> = recordings.iter().filter_map(|path| name(path)).collect();
+    let left = names.iter().find(|n| {
+        n.contains("left") && names.iter().any(|other| *other == n.replace("left", "right"))
+    })?;
+    let right = left.replace("left", "right");
+    Some(format!(
+        "`{left}` and `{right}` have one wheel each, but a recording needs both: write the columns of both wheels into one \
+         file, at the same times, and give that one. If each is a test of a single motor, remove this line"
+    ))
 }
 
 /// A reason with the recording that it is about, unless it names its file.
@@ -231,4 +248,22 @@ fn has_columns_of(first: &Path, path: &Path, guess: &Guess) -> Result<(), Experi
              experiment have the same columns: write an experiment of its own for it, or rename its columns"
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_files_of_one_wheel_each_are_asked_about() {
+        let of = |names: &[&str]| {
+            let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            one_wheel_each(&paths)
+        };
+        let asked = of(&["runs/Run1_left.csv", "runs/Run1_right.csv"]).unwrap();
+        assert!(asked.contains("`run1_left.csv` and `run1_right.csv`"), "{asked}");
+        assert!(of(&["left.csv", "right.csv"]).is_some());
+        assert_eq!(of(&["left_turn.csv", "straight.csv"]), None);
+        assert_eq!(of(&["run1.csv", "run2.csv"]), None);
+    }
 }
