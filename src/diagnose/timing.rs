@@ -86,17 +86,6 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
     let simulated = in_simulation(model, p, &starts, (recordings, hold), &scale);
     let shift = simulated.and_then(|s| s.shift);
-    if std::env::var("DBG").is_ok() {
-        eprintln!(
-            "TIMING coarse {:.5} balanced {:?} starts {:?} sim {:?} err {:?} p {:?}",
-            coarse.shift,
-            *balanced,
-            starts,
-            shift,
-            simulated.map(|s| s.error),
-            p
-        );
-    }
     // a model above the floor whose simulation fits no time lacks what the balance takes for one
     if shift.is_none() && simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor) {
         return None;

@@ -95,10 +95,14 @@ impl Search<'_> {
         }
     }
 
-    /// Whether both refits are far above their noise and the training windows do not distinguish them.
+    /// Whether both refits are far above their noise and the training windows do not distinguish them. A shift in time that
+    /// comes first stays first: with the input at a wrong time no other effect is judged.
     pub(super) fn is_undecided(&self, a: &Ranked, b: &Ranked) -> bool {
         let (Some(one), Some(other)) = (&a.refit, &b.refit) else { return false };
-        self.is_far(one.cost) && self.is_far(other.cost) && !self.is_distinguished(one, other)
+        !a.candidate.is_shift()
+            && self.is_far(one.cost)
+            && self.is_far(other.cost)
+            && !self.is_distinguished(one, other)
     }
 
     /// Whether the training windows distinguish two fits, if a window counts as one value: far above the noise the
