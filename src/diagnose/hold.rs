@@ -3,32 +3,35 @@
 use super::as_recorded::AsRecorded;
 use super::evidence::{evidence, noiseless};
 use super::thresholds::THRESHOLDS;
-use super::timing::timed;
+use super::timing::{Timed, timed};
 use crate::model::Model;
 use crate::simulate::Hold;
 
 /// Whether the input is held through a row, as by a controller at the rate of the log, or varies linearly to
 /// the next row: the model is fitted with both, each with its own time of the input. Linear interpolation is kept
-/// unless the windows contradict it with odds of twenty to one. If the error of the model is larger than noise, an input
-/// must also act at its rows to be held; or the two are compared again with the effect of the catalogue in the model,
-/// other than a second body or a delay, that explains most of the error.
+/// unless the windows contradict it with odds of twenty to one. If the error of the model is larger than noise, an
+/// input must also act at its rows to be held; or the two are compared again with the effect of the catalogue in the
+/// model, other than a second body or a delay, that explains most of the error.
 ///
 /// Linear interpolation reduces the noise of the recorded input; therefore the contribution of noise to the
 /// errors is subtracted in both cases.
 ///
-/// Returns the parameters of the model fitted with the held input, if it is held: those from a torque balance may be far
-/// from them as long as the input has the wrong time.
+/// Returns the parameters of the model fitted with the held input, if it is held: those from a torque balance may be
+/// far from them as long as the input has the wrong time.
 #[must_use]
 pub fn held_input(given: &AsRecorded) -> Option<Vec<f64>> {
-    let AsRecorded { model, p, .. } = given;
-    let found = Holds::of(given, model, p)?;
+    let AsRecorded { model, p, recordings, scale, .. } = given;
+    let line = given.fit()?;
+    let found = Holds::of(given, (model, p), line)?;
     if found.is_held() || found.is_right() {
         return found.is_held().then(|| found.parameters(p.len()));
     }
-    let present = given.fit()?.fit.cost;
     let best = given.rivals().iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
-    let explains = best.fit.cost < THRESHOLDS.most_left * present;
-    let found = explains.then(|| Holds::of(given, &best.model, best.p())).flatten()?;
+    if best.fit.cost >= THRESHOLDS.most_left * line.fit.cost {
+        return None;
+    }
+    let line = timed(&best.model, best.p(), 0.0, recordings, Hold::Linear, scale)?;
+    let found = Holds::of(given, (&best.model, best.p()), &line)?;
     found.is_held().then(|| found.parameters(p.len()))
 }
 
@@ -45,16 +48,14 @@ struct Holds {
 }
 
 impl Holds {
-    fn of(given: &AsRecorded, model: &Model, p: &[f64]) -> Option<Self> {
+    /// A model near `p`, of which `line` is the fit with the input on the line.
+    fn of(given: &AsRecorded, (model, p): (&Model, &[f64]), line: &Timed) -> Option<Self> {
         let AsRecorded { recordings, scale, .. } = given;
-        let fitted = |hold| {
-            let timed = timed(model, p, 0.0, recordings, hold, scale)?;
-            Some((noiseless(&timed.windows, &timed.fit)?, timed))
-        };
-        let (line, _) = fitted(Hold::Linear)?;
-        let (held, timed) = fitted(Hold::Constant)?;
-        let time = (timed.time_s() / scale.step, timed.std_error_s() / scale.step);
-        Some(Self { squares: [line, held], error: timed.error(), time, p: timed.fit.p })
+        let held = timed(model, p, 0.0, recordings, Hold::Constant, scale)?;
+        let squares = |timed: &Timed| noiseless(&timed.windows, &timed.fit);
+        let squares = [squares(line)?, squares(&held)?];
+        let time = (held.time_s() / scale.step, held.std_error_s() / scale.step);
+        Some(Self { squares, error: held.error(), time, p: held.fit.p })
     }
 
     /// Whether the error with the held input is that of noise.
@@ -62,8 +63,8 @@ impl Holds {
         self.error <= THRESHOLDS.above_floor
     }
 
-    /// Both by the likelihood of the rows and by what the windows scatter about. The likelihood of an incomplete model counts
-    /// by as much less as its squared errors are larger than noise.
+    /// Both by the likelihood of the rows and by what the windows scatter about. The likelihood of an incomplete model
+    /// counts by as much less as its squared errors are larger than noise.
     fn is_held(&self) -> bool {
         let [line, held] = &self.squares;
         let gain = line.iter().sum::<f64>() - held.iter().sum::<f64>();

@@ -4,7 +4,7 @@ use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale}
 use crate::math::Real;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::simulate::{Hold, held_later};
+use crate::simulate::{Hold, held_later, mean_later};
 
 /// Error of the time due to interpolation of the input between its rows, in rows.
 pub(super) const INTERPOLATION: f64 = 0.02;
@@ -74,7 +74,8 @@ impl Physics for InputTiming {
     fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         Some(match self.hold {
             Hold::Linear => later(t, m, p[0]),
-            Hold::Constant => mean_later(t, m, p[0]),
+            // behind the last row its length is a convention
+            Hold::Constant => mean_later(t, m, p[0], t.last()? - t.iter().nth_back(1)?),
         })
     }
 }
@@ -117,32 +118,6 @@ pub(super) fn input_derivatives(model: &Model, recording: &Recording, p: &[f64])
 pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     let mut row = 0;
     t.iter().map(|&now| between_rows(t, m, -shift + now, &mut row)).collect()
-}
-
-/// A signal that is held from each row to the next, delayed by `shift` seconds: its mean over each row; the end values are
-/// held.
-fn mean_later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
-    let last = t.len() - 1;
-    if last == 0 {
-        return m.to_vec();
-    }
-    let length = |k: usize| if k < last { t[k + 1] - t[k] } else { t[last] - t[last - 1] };
-    // integral from the first row on, a line between the rows
-    let mut sums = vec![[T::from(0.0); 2]];
-    for k in 0..last {
-        let sum = sums[k];
-        sums.push([0, 1].map(|i| sum[i] + m[k][i] * length(k)));
-    }
-    let integral = |at: T| {
-        // at a row the derivative is that of a later input
-        let k = t.partition_point(|row| *row < at.value()).saturating_sub(1);
-        [0, 1].map(|i| sums[k][i] + m[k][i] * (at - t[k]))
-    };
-    let mean = |k: usize| {
-        let (from, to) = (integral(-shift + t[k]), integral(-shift + (t[k] + length(k))));
-        [0, 1].map(|i| (to[i] - from[i]) * (1.0 / length(k)))
-    };
-    (0..t.len()).map(mean).collect()
 }
 
 /// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is
@@ -221,9 +196,9 @@ pub(super) fn each_shifted(
 
 #[cfg(test)]
 mod tests {
-    use super::{between_rows, later, mean_later};
+    use super::{between_rows, later};
     use crate::recording::{Channels, DriveUnit, Recording};
-    use crate::simulate::held_later;
+    use crate::simulate::{held_later, mean_later};
 
     #[test]
     fn a_parabola_is_shifted_exactly_inside_and_held_at_the_ends() {
@@ -257,7 +232,8 @@ mod tests {
             Channels { alpha: None, omega: Some(m.clone()), torque: m.clone(), t: t.clone() };
         let recording = Recording::new("held", channels, DriveUnit::NewtonMetre).unwrap();
         for shift in [-0.013, 0.0, 0.004, 0.025] {
-            let (found, same) = (mean_later(&t, &m, shift), held_later(&recording, &m, shift));
+            let found = mean_later(&t, &m, shift, recording.step());
+            let same = held_later(&recording, &m, shift);
             // behind the last row its length is a convention
             for k in 0..t.len() - 1 {
                 assert!((0..2).all(|i| (found[k][i] - same[k][i]).abs() < 1e-10), "{k} {shift}");
@@ -265,7 +241,7 @@ mod tests {
         }
         let mut other = m.clone();
         other[30] = [100.0; 2];
-        let [one, other] = [&m, &other].map(|m| mean_later(&t, m, 0.002));
+        let [one, other] = [&m, &other].map(|m| mean_later(&t, m, 0.002, 0.01));
         assert_eq!(one[..30], other[..30]);
     }
 }

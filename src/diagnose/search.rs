@@ -52,8 +52,8 @@ pub struct Settings {
     /// those from the starts if it has less than half of their squared error: it is then in another minimum. One that
     /// predicts the held-out recordings better, by the test of an effect, replaces the fit of the model as given.
     pub estimates: Vec<Vec<f64>>,
-    /// Symbols of parameters that the model fixes because its fit does not determine them; they are estimated again with
-    /// each effect that is added.
+    /// Symbols of parameters that the model fixes because its fit does not determine them; they are estimated again
+    /// with each effect that is added.
     pub held: Vec<String>,
     /// Called as candidates are fitted.
     pub progress: Option<Progress>,
@@ -104,7 +104,10 @@ pub fn diagnose(
     let base = search.base(model, starts)?;
     let (steps, rankings) = search.climb_from_best(&base);
     let mut ranking = search.with_falls(&base, rankings[0].clone());
-    search.compare_with_first(&mut ranking);
+    // that of a step was compared when its first was added
+    if rankings.len() == 1 {
+        search.compare_with_first(&mut ranking);
+    }
     // the remaining candidates were ranked together with the steps that were tried, which others may have
     // replaced
     let tried = |s: &Step| rankings[..steps.len()].iter().any(|r| r[0].candidate.id == s.id);
@@ -311,6 +314,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Twice the log-likelihood ratio of a fit to another one, by their costs.
+    fn ratio(&self, from: &WindowFit, to: &WindowFit) -> f64 {
+        self.degrees * (from.cost / to.cost).ln()
+    }
+
     /// Bayesian information criterion of a candidate with that ratio; the penalty is ln n for every
     /// parameter, including shapes.
     fn bic(&self, candidate: &Candidate, ratio: f64) -> f64 {
@@ -350,4 +358,14 @@ type Criteria<'a> = (Option<Regression<'a>>, Option<Screen<'a>>);
 fn held_in_time(present: &WindowFit) -> Model {
     let Ok(j) = present.model.index_of(SYMBOL) else { return present.model.clone() };
     present.model.fix(SYMBOL, present.p[j]).unwrap_or_else(|_| present.model.clone())
+}
+
+/// A recording of 15 s of a model for the tests of the search.
+#[cfg(test)]
+fn recorded(model: &Model, p: &[f64], seed: u64) -> [Recording; 1] {
+    use crate::simulate::{Movement, NoiseLevel, Recorder, record};
+    let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
+    let movement = Movement::rich(model.robot(), seed, 15.0, 12.0);
+    let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };
+    [record("made", model, p, &movement, &recorder).unwrap()]
 }

@@ -64,8 +64,8 @@ pub struct Thresholds {
     pub strong: f64,
     /// Increase of the BIC of the regression above which it rules an effect out.
     pub ruled_out: f64,
-    /// Difference of BIC below which two effects are not distinguishable (odds of 20 to 1); far above the noise, z² of the
-    /// difference between windows (Vuong's test).
+    /// Difference of BIC below which two effects are not distinguishable (odds of 20 to 1); far above the noise, z² of
+    /// the difference between windows (Vuong's test).
     pub alike: f64,
     /// Share of the gain of the best refit by which another may be behind that is continued to convergence (cost: a
     /// descent for each).

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::interpolate_wheels;
+use crate::math::{Real, interpolate_wheels};
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 
@@ -53,28 +53,37 @@ pub(crate) fn every_other(
 /// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its
 /// integral is exact. The end values of every piece are held.
 pub(crate) fn held_later(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
-    let t = recording.t();
-    let mut out = signal.to_vec();
-    for piece in recording.pieces() {
-        let (first, last) = (piece.start, piece.end - 1);
-        // integral from the first row on, a line between the rows
-        let mut sums = vec![[0.0; 2]];
-        for k in first..last {
-            let sum = sums[k - first];
-            sums.push([0, 1].map(|i| sum[i] + signal[k][i] * (t[k + 1] - t[k])));
-        }
-        let integral = |at: f64| {
-            let k = (first + t[first..=last].partition_point(|v| *v <= at)).saturating_sub(1);
-            let k = k.max(first);
-            [0, 1].map(|i| sums[k - first][i] + signal[k][i] * (at - t[k]))
-        };
-        for k in first..=last {
-            let h = if k < last { t[k + 1] - t[k] } else { recording.step() };
-            let (from, to) = (integral(t[k] - shift), integral(t[k] + h - shift));
-            out[k] = [0, 1].map(|i| (to[i] - from[i]) / h);
-        }
+    let pieces = recording.pieces().iter();
+    let of = |p: &Range<usize>| {
+        mean_later(&recording.t()[p.clone()], &signal[p.clone()], shift, recording.step())
+    };
+    pieces.flat_map(of).collect()
+}
+
+/// The same for a signal without gaps, whose last row lasts for `last_s`. At a row the derivative is that of a later
+/// input.
+pub(crate) fn mean_later<T: Real>(
+    t: &[f64],
+    signal: &[[T; 2]],
+    shift: T,
+    last_s: f64,
+) -> Vec<[T; 2]> {
+    // integral from the first row on, a line between the rows
+    let mut sums = vec![[T::from(0.0); 2]];
+    for k in 1..t.len() {
+        let sum = sums[k - 1];
+        sums.push([0, 1].map(|i| sum[i] + signal[k - 1][i] * (t[k] - t[k - 1])));
     }
-    out
+    let integral = |at: T| {
+        let k = t.partition_point(|row| *row < at.value()).saturating_sub(1);
+        [0, 1].map(|i| sums[k][i] + signal[k][i] * (at - t[k]))
+    };
+    let mean = |k: usize| {
+        let h = t.get(k + 1).map_or(last_s, |next| next - t[k]);
+        let (from, to) = (integral(-shift + t[k]), integral(-shift + (t[k] + h)));
+        [0, 1].map(|i| (to[i] - from[i]) / h)
+    };
+    (0..t.len()).map(mean).collect()
 }
 
 /// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of

@@ -86,23 +86,17 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::search::recorded;
     use crate::diagnose::{Data, Settings};
     use crate::model::base::A1;
-    use crate::recording::Recording;
     use crate::robot::Robot;
-    use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+    use crate::simulate::Hold;
 
     #[test]
     fn estimates_that_predict_held_out_recordings_better_replace_the_fit() {
         let model = Model::base(Robot::amigobot());
         let truth = model.initial();
-        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
-        let made = |seed: u64| -> [Recording; 1] {
-            let movement = Movement::rich(model.robot(), seed, 15.0, 12.0);
-            let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };
-            [record("made", &model, &truth, &movement, &recorder).unwrap()]
-        };
-        let (train, validation) = (made(3), made(4));
+        let [train, validation] = [3, 4].map(|seed| recorded(&model, &truth, seed));
         let data =
             Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
         let with = |estimate: &[f64], held_out: bool, of: &dyn Fn(&Search)| {

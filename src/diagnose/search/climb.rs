@@ -1,6 +1,8 @@
 //! The forward search: the best effect of a ranking, then the best in addition to it, and other starts if the
 //! search ends unexplained.
 
+use std::cell::LazyCell;
+
 use super::order::{equals, is_lower};
 use super::steps::has_size;
 use super::{Search, is_two_mass};
@@ -62,8 +64,7 @@ impl Search<'_> {
         while tried.len() < self.settings.max_effects {
             let ranking = rankings.last_mut().expect("there is one per step");
             // no accepted sequence may contain a step that does not lower the reported error
-            let floor = self.judge.floor(&present.model, &present.p).expected;
-            let now = (shown, shown <= floor);
+            let now = (shown, &present);
             let Some((n, next)) = self.first_that_lowers(ranking, now) else { break };
             ranking[..=n].rotate_right(1);
             self.compare_with_first(ranking);
@@ -81,22 +82,24 @@ impl Search<'_> {
     }
 
     /// Index and reported error of the first candidate in the ranking that improves the criterion, has a size, and
-    /// whose reported error is [lower](Self::lowers) than `shown`. The candidate with the best criterion may raise it: if two effects
-    /// are missing, a flexible one fits a part of both to the training recordings. One without a size may contain a
-    /// simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which comes after it: if
-    /// the input between the rows leaves its size open, the first later one is taken that has a size and is hardly less
-    /// probable. Of effects that the training recordings do not distinguish, one that predicts held-out recordings
-    /// better by a relevant share is taken. If the present error is `at_floor`, an effect that clips the input clips noise of
-    /// its record, which is part of the floor.
+    /// whose reported error is [lower](Self::lowers) than `shown`. The candidate with the best criterion may raise it:
+    /// if two effects are missing, a flexible one fits a part of both to the training recordings. One without a size
+    /// may contain a simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which
+    /// comes after it: if the input between the rows leaves its size open, the first later one is taken that has a size
+    /// and is hardly less probable. Of effects that the training recordings do not distinguish, one that predicts
+    /// held-out recordings better by a relevant share is taken. If the present error is `at_floor`, an effect that
+    /// clips the input clips noise of its record, which is part of the floor.
     fn first_that_lowers(
         &self,
         ranking: &[Ranked],
-        (shown, at_floor): (f64, bool),
+        (shown, present): (f64, &WindowFit),
     ) -> Option<(usize, f64)> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
+        // simulated only for an effect that clips
+        let floor = LazyCell::new(|| self.judge.floor(&present.model, &present.p).expected);
         let mut sized = fits.filter(|(n, id, fit)| {
-            has_size(fit, id) && !(at_floor && ranking[*n].candidate.clips())
+            has_size(fit, id) && !(ranking[*n].candidate.clips() && shown <= *floor)
         });
         let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
         let lowers = |one: &(usize, &String, &WindowFit, f64)| self.lowers(shown, one.3, one.2);
@@ -159,11 +162,12 @@ fn last_of<'s>(base: &'s WindowFit, steps: &'s [Step]) -> &'s WindowFit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::search::recorded;
     use crate::diagnose::{Data, Settings};
     use crate::model::Model;
     use crate::recording::Recording;
     use crate::robot::Robot;
-    use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+    use crate::simulate::Hold;
 
     #[test]
     fn of_effects_that_training_does_not_distinguish_that_with_the_lower_held_out_error_is_added() {
@@ -171,13 +175,7 @@ mod tests {
         let model = base.add("turning_scrub").unwrap();
         let mut truth = base.initial();
         truth.push(0.05);
-        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
-        let made = |seed: u64| -> [Recording; 1] {
-            let movement = Movement::rich(model.robot(), seed, 15.0, 12.0);
-            let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };
-            [record("made", &model, &truth, &movement, &recorder).unwrap()]
-        };
-        let (train, validation) = (made(3), made(4));
+        let [train, validation] = [3, 4].map(|seed| recorded(&model, &truth, seed));
         let candidates = ["yaw_viscous", "turning_scrub"].map(str::to_owned).to_vec();
         let settings = Settings { candidates, ..Settings::default() };
         let starts = [base.initial()];
@@ -189,7 +187,7 @@ mod tests {
             // the evidence of the training recordings for the wrong effect is larger, by less than decides
             ranking.sort_by_key(|r| r.candidate.id == "turning_scrub");
             ranking[0].bic = ranking[1].bic - 0.5 * THRESHOLDS.alike;
-            let (first, _) = search.first_that_lowers(&ranking, (f64::INFINITY, false)).unwrap();
+            let (first, _) = search.first_that_lowers(&ranking, (f64::INFINITY, &present)).unwrap();
             ranking[first].candidate.id.clone()
         };
         assert_eq!(added(&validation), "turning_scrub");

@@ -95,8 +95,8 @@ impl Search<'_> {
         }
     }
 
-    /// Whether both refits are far above their noise and the training windows do not distinguish them. A shift in time that
-    /// comes first stays first: with the input at a wrong time no other effect is judged.
+    /// Whether both refits are far above their noise and the training windows do not distinguish them. A shift in time
+    /// that comes first stays first: with the input at a wrong time no other effect is judged.
     pub(super) fn is_undecided(&self, a: &Ranked, b: &Ranked) -> bool {
         let (Some(one), Some(other)) = (&a.refit, &b.refit) else { return false };
         !a.candidate.is_shift()
@@ -108,12 +108,9 @@ impl Search<'_> {
     /// Whether the training windows distinguish two fits, if a window counts as one value: far above the noise the
     /// errors of its rows are those of the model, and not independent as the criterion assumes.
     pub(super) fn is_distinguished(&self, one: &WindowFit, other: &WindowFit) -> bool {
-        self.evidence_of_windows(one, other).is_none_or(|z2| z2 > THRESHOLDS.alike)
-    }
-
-    fn evidence_of_windows(&self, one: &WindowFit, other: &WindowFit) -> Option<f64> {
         let squares = |fit: &WindowFit| self.windows.squares(&fit.model, &fit.p);
-        Some(evidence(&squares(one)?, &squares(other)?))
+        let both = squares(one).zip(squares(other));
+        both.is_none_or(|(one, other)| evidence(&one, &other) > THRESHOLDS.alike)
     }
 
     /// The criterion of candidates far above the noise, as the evidence against them compared with the first: it is
@@ -122,18 +119,25 @@ impl Search<'_> {
     /// ```text
     /// ΔBIC = max(0, ±min(z², |ΔBIC|) - 2 ln p)
     /// ```
-    /// z²: evidence of the training windows, with the sign of their ΔBIC; p: of the fall of the held-out error to that of
-    /// the first.
+    /// z²: evidence of the training windows, with the sign of their ΔBIC; p: of the fall of the held-out error to that
+    /// of the first.
     pub(super) fn compare_with_first(&self, ranked: &mut [Ranked]) {
         let Some((first, others)) = ranked.split_first_mut() else { return };
         let Some(fit) = first.refit.as_ref().filter(|fit| self.is_far(fit.cost)) else { return };
-        let shifts = |r: &Ranked| first.candidate.is_shift() && r.candidate.is_shift();
-        others.par_iter_mut().filter(|r| !shifts(r)).for_each(|r| {
-            let Some(other) = r.refit.as_ref().filter(|fit| self.is_far(fit.cost)) else { return };
-            let Some(z2) = self.evidence_of_windows(fit, other) else { return };
+        let is_compared = |r: &&mut Ranked| {
+            let shifts = first.candidate.is_shift() && r.candidate.is_shift();
+            !shifts && r.refit.as_ref().is_some_and(|fit| self.is_far(fit.cost))
+        };
+        let squares = |fit: &WindowFit| self.windows.squares(&fit.model, &fit.p);
+        let Some(own) = squares(fit) else { return };
+        let held_out = |fit| self.held.as_ref().map(|_| self.held_out(&[fit]).remove(0));
+        let after = held_out(fit);
+        others.par_iter_mut().filter(is_compared).for_each(|r| {
+            let Some(other) = &r.refit else { return };
+            let Some(z2) = squares(other).map(|squares| evidence(&own, &squares)) else { return };
             let by = r.bic_windows - first.bic_windows;
-            let held_out = self.held.is_some().then(|| self.held_out(&[other, fit]));
-            let p = held_out.map_or(1.0, |both| self.fall(&both[0], &both[1]).p_value);
+            let both = held_out(other).zip(after.as_ref());
+            let p = both.map_or(1.0, |(before, after)| self.fall(&before, after).p_value);
             let evidence = by.signum() * z2.min(by.abs()) - 2.0 * p.max(f64::MIN_POSITIVE).ln();
             r.bic = first.bic + evidence.max(0.0);
         });

@@ -56,7 +56,7 @@ impl Search<'_> {
             r.refit = (within(r, &found) && self.is_driven(present, r, &found)).then_some(found);
             let is_noise = !self.is_far_above(r);
             if let Some(refit) = &r.refit {
-                let ratio = self.degrees * (present.cost / refit.cost).ln();
+                let ratio = self.ratio(present, refit);
                 let by_time = if is_noise { self.ratio_of_shift(&r.candidate, refit) } else { 0.0 };
                 let ratio = ratio.max(by_time);
                 r.bic_windows = self.bic(&r.candidate, ratio);

@@ -8,10 +8,10 @@ use crate::model::base::{A4, A5};
 const LEAST: f64 = 1e-3;
 
 impl Search<'_> {
-    /// The fit with the parameters estimated that were held because the fit of the model as given did not determine them
-    /// ([`Settings::held`]), if the windows now do: their criterion is lower, no standard error is infinite, and the
-    /// reported error does not rise. Where a dominant torque is missing, friction is uncertain by the error of the model;
-    /// held at what that fit left of it, it would be missing beside the effect that is found.
+    /// The fit with the parameters estimated that were held because the fit of the model as given did not determine
+    /// them ([`Settings::held`]), if the windows now do: their criterion is lower, no standard error is infinite, and
+    /// the reported error does not rise. Where a dominant torque is missing, friction is uncertain by the error of the
+    /// model; held at what that fit left of it, it would be missing beside the effect that is found.
     ///
     /// [`Settings::held`]: crate::diagnose::Settings::held
     pub(super) fn released(&self, held: WindowFit) -> WindowFit {
@@ -32,7 +32,7 @@ impl Search<'_> {
             .filter(|j| matches!(**j, A4 | A5))
             .for_each(|&j| start[j] = start[j].max(least));
         let Some(free) = fit(&self.windows, &model, &start, &self.scale) else { return held };
-        let gain = self.degrees * (held.cost / free.cost).ln();
+        let gain = self.ratio(&held, &free);
         let known = fixed.iter().all(|&j| free.covariance[(j, j)].is_finite());
         let supported = gain > fixed.len() as f64 * self.degrees.ln();
         match known && supported && self.shown(&free) <= self.shown(&held) {
@@ -44,12 +44,12 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use crate::diagnose::search::recorded;
     use crate::diagnose::{Data, Settings, diagnose};
     use crate::model::Model;
     use crate::model::base::A4;
-    use crate::recording::Recording;
     use crate::robot::Robot;
-    use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+    use crate::simulate::Hold;
 
     #[test]
     fn a_friction_that_was_held_is_estimated_once_the_missing_effect_is_found() {
@@ -57,13 +57,7 @@ mod tests {
         let robot = base.add("viscous_friction").unwrap();
         let mut truth = robot.initial();
         truth[5] = 0.03;
-        let noise = NoiseLevel { alpha: 5e-4, dalpha: 0.02, torque: 0.002 };
-        let made = |seed: u64| -> [Recording; 1] {
-            let movement = Movement::rich(robot.robot(), seed, 15.0, 12.0);
-            let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed };
-            [record("made", &robot, &truth, &movement, &recorder).unwrap()]
-        };
-        let (train, validation) = (made(3), made(4));
+        let [train, validation] = [3, 4].map(|seed| recorded(&robot, &truth, seed));
         let data =
             Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
         let held = base.fix("a4", 0.0).unwrap();

@@ -186,7 +186,7 @@ impl Search<'_> {
             let slots = last.fit.model.slots(e);
             let (model, p) = last.fit.without(e);
             let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
-            let ratio = self.degrees * (without.cost / last.fit.cost).ln();
+            let ratio = self.ratio(&without, &last.fit);
             if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&last.fit, &steps[n].id) {
                 continue;
             }
@@ -226,8 +226,7 @@ impl Search<'_> {
                 let next = self.rebuilt(base, &next);
                 let (Some(now), Some(then)) = (best.last(), next.last()) else { continue };
                 let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;
-                let gain =
-                    self.degrees * (now.fit.cost / then.fit.cost).ln() - more * self.degrees.ln();
+                let gain = self.ratio(&now.fit, &then.fit) - more * self.degrees.ln();
                 let lower = self.shown(&then.fit) <= self.shown(&now.fit);
                 let better = gain > THRESHOLDS.alike && lower;
                 // near the noise the criterion decides
@@ -272,7 +271,8 @@ impl Search<'_> {
         out
     }
 
-    /// Whether the reported error falls from one value to that of `fit` by a relevant share, or to the floor without a rise.
+    /// Whether the reported error falls from one value to that of `fit` by a relevant share, or to the floor without a
+    /// rise.
     pub(super) fn lowers(&self, before: f64, after: f64, fit: &WindowFit) -> bool {
         let share = 1.0 - (after / before).powi(2);
         let relevant = before.is_infinite() || share >= THRESHOLDS.least_fall;
@@ -302,8 +302,8 @@ impl Search<'_> {
                 true => self.judge.between_rows(&fit.model, &fit.p),
                 false => open.min(after),
             };
-            // sampling leaves a time uncertain by half a row, which a shift exceeds; from an infinite error any finite one is
-            // a decrease
+            // sampling leaves a time uncertain by half a row, which a shift exceeds; from an infinite error any finite
+            // one is a decrease
             let by_sampling = !is_later(fit, next)
                 && before.is_finite()
                 && before.powi(2) - after.powi(2) < open.powi(2);
