@@ -135,25 +135,6 @@ pub fn unresolved(
     Ok(pooled(recordings, square)? * BETWEEN_ROWS)
 }
 
-/// Root mean square difference over windows of 2 s [rad/s] caused by omitting every other row of the input,
-/// minus the part that noise of the recorded input causes.
-///
-/// # Errors
-/// The mass matrix is not positive definite.
-pub fn between_rows(
-    dynamics: &dyn Dynamics,
-    recordings: &[Recording],
-    hold: Hold,
-) -> Result<f64, SimulateError> {
-    let square = |recording: &Recording| {
-        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
-        let jumps = runs.by_input_jumps(&mut ChaCha8Rng::seed_from_u64(0))?.square;
-        let noise = recording.noise_of_jumps().powi(2) * jumps;
-        Ok((runs.by_every_other_row()?.square - noise).max(0.0))
-    };
-    pooled(recordings, square)
-}
-
 /// [`noise_floor`] over the windows of all recordings.
 ///
 /// # Errors

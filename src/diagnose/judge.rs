@@ -7,7 +7,7 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Asked, Dependence, WINDOW, WindowFloor, between_rows, ise, persistence_rms, pooled_floor,
+    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor,
     simulate_recording, unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
@@ -15,7 +15,7 @@ use crate::math::mean;
 use crate::model::{Model, ModelError};
 use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::robot::State;
-use crate::simulate::{Hold, PhysicalDynamics, SimulateError};
+use crate::simulate::{Hold, PhysicalDynamics, SimulateError, every_other};
 
 /// Relative difference of the errors of two simulations that rounding explains.
 const ROUNDING: f64 = 1e-9;
@@ -107,12 +107,17 @@ impl Judge {
         unresolved(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
-    /// Root mean square error over windows that the unknown input between the rows may cause [rad/s]; zero if
-    /// the model cannot be simulated.
+    /// Mean square error over windows with every other row of the input, the mean over both choices of them
+    /// [rad^2/s^2]; `None` if the model cannot be simulated.
     #[must_use]
-    pub fn between_rows(&self, model: &Model, p: &[f64]) -> f64 {
-        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
-        between_rows(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
+    pub fn at_half_rate(&self, model: &Model, p: &[f64]) -> Option<f64> {
+        let of = |phase| {
+            let halved = |r: &Recording| r.with_torque(every_other(r, r.torque(), phase));
+            let recordings = self.recordings.iter().map(halved).collect();
+            let judged = Self::new(recordings, self.hold).judge(model, p).ok()?;
+            Some(judged.window_rms.powi(2))
+        };
+        Some(0.5 * (of(0)? + of(1)?))
     }
 
     /// The errors that a diagnosis of the recordings `train` started and ended with, beside the noise `floor`.

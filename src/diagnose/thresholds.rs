@@ -45,6 +45,11 @@ pub struct Thresholds {
     /// coloured noise of the input is no explanation: with about thirty curves such noise exceeds it once in a thousand
     /// recordings.
     pub structure_of_blocks: f64,
+    /// Largest ratio, and inverse of the smallest, of what an effect removes from the squared error with every other
+    /// row of the input to what it removes with all rows: one for an effect of the robot. An error of interpolation is
+    /// four times as large with every other row for steps of the input, and larger for a smooth one, and so is what
+    /// compensates for it; two is the geometric mean of one and four.
+    pub alike_at_half_rate: f64,
     /// Smallest share of the residual torque that a variable must explain to be named (judgement).
     pub named_share: f64,
     /// Probability that any regime of driving is called significant if the model is correct.
@@ -184,6 +189,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     unexplained: 0.5,
     structure: 16.0,
     structure_of_blocks: 10.0,
+    alike_at_half_rate: 2.0,
     named_share: 0.01,
     regime_rate: REGIME_RATE,
     useful: 0.05,

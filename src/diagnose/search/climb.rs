@@ -87,8 +87,9 @@ impl Search<'_> {
     /// may contain a simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which
     /// comes after it: if the input between the rows leaves its size open, the first later one is taken that has a size
     /// and is hardly less probable. Of effects that the training recordings do not distinguish, one that predicts
-    /// held-out recordings better by a relevant share is taken. If the present error is `at_floor`, an effect that
-    /// clips the input clips noise of its record, which is part of the floor.
+    /// held-out recordings better by a relevant share is taken. If the present error is at the floor of the
+    /// present model or of that with the effect, an effect that clips the input clips noise of its record, which is part
+    /// of the floor.
     fn first_that_lowers(
         &self,
         ranking: &[Ranked],
@@ -97,9 +98,11 @@ impl Search<'_> {
         let better = ranking.iter().enumerate().filter(|(_, r)| r.bic < 0.0);
         let fits = better.filter_map(|(n, r)| Some((n, &r.candidate.id, r.refit.as_ref()?)));
         // simulated only for an effect that clips
-        let floor = LazyCell::new(|| self.judge.floor(&present.model, &present.p).expected);
+        let floor_of = |fit: &WindowFit| self.judge.floor(&fit.model, &fit.p).expected;
+        let floor = LazyCell::new(|| floor_of(present));
+        let is_noise = |fit: &WindowFit| shown <= *floor || shown <= floor_of(fit);
         let mut sized = fits.filter(|(n, id, fit)| {
-            has_size(fit, id) && !(ranking[*n].candidate.clips() && shown <= *floor)
+            has_size(fit, id) && !(ranking[*n].candidate.clips() && is_noise(fit))
         });
         let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
         let lowers = |one: &(usize, &String, &WindowFit, f64)| self.lowers(shown, one.3, one.2);

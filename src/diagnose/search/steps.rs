@@ -13,6 +13,7 @@ use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Errors;
 use crate::effects::{Change, ParameterKind, ParameterSpec};
 use crate::math::distribution::t_quantile;
+use crate::simulate::Hold;
 
 /// A fit evaluated on held-out recordings.
 pub(super) struct HeldOut<'a> {
@@ -280,36 +281,47 @@ impl Search<'_> {
     }
 
     /// Number of consecutive steps from the first of `fits` that reduce the reported error `shown`, each by more than
-    /// the error due to the sampling of the input. For an effect that [`Change::acts_between_rows`] the limit is
-    /// [`Judge::between_rows`], the largest error that the input between the rows can cause.
-    ///
-    /// [`Judge::between_rows`]: crate::diagnose::Judge::between_rows
+    /// the error due to the sampling of the input.
     ///
     /// ```text
     /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
     /// ```
     /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
     /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few
-    /// windows in which the input changes: it must only exceed the smallest share.
+    /// windows in which the input changes: it must only exceed the smallest share. An effect that
+    /// [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half the rate.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
         let open = self.judge.unresolved(&last.model, &last.p);
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
             let (fit, next) = (fits[n - 1], fits[*n]);
-            let between = between_rows(next) > between_rows(fit);
-            let open = match between {
-                true => self.judge.between_rows(&fit.model, &fit.p),
-                false => open.min(after),
-            };
             // sampling leaves a time uncertain by half a row, which a shift exceeds; from an infinite error any finite
             // one is a decrease
-            let by_sampling = !is_later(fit, next)
-                && before.is_finite()
-                && before.powi(2) - after.powi(2) < open.powi(2);
-            self.lowers(before, after, next) && !by_sampling
+            let asked = !is_later(fit, next) && before.is_finite();
+            let fall = before.powi(2) - after.powi(2);
+            let resolved = || {
+                let compensates = between_rows(next) > between_rows(fit);
+                fall >= open.min(after).powi(2)
+                    && (!compensates || self.is_alike_at_half_rate(fit, next, fall))
+            };
+            self.lowers(before, after, next) && (!asked || resolved())
         };
         (1..shown.len()).take_while(falls).count()
+    }
+
+    /// Whether the squared reported error of one fit exceeds that of the other with every other row of the input by
+    /// about as much as with all rows, `fall` [rad^2/s^2]. What compensates for an error of interpolation removes four
+    /// times as much or more at half the rate, as the error is larger by that factor, or raises it. An input that is
+    /// held has no such error.
+    fn is_alike_at_half_rate(&self, before: &WindowFit, after: &WindowFit, fall: f64) -> bool {
+        if self.windows.hold == Hold::Constant {
+            return true;
+        }
+        let error = |fit: &WindowFit| self.judge.at_half_rate(&fit.model, &fit.p);
+        let halved = error(before).zip(error(after)).map(|(before, after)| before - after);
+        let most = THRESHOLDS.alike_at_half_rate;
+        halved.is_some_and(|halved| (fall / most..=fall * most).contains(&halved))
     }
 
     /// Adds the held-out falls to the refitted candidates.
