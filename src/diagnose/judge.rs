@@ -7,8 +7,8 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor,
-    simulate_recording, unexplained_torque, unresolved, window_rms,
+    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor, simulate_recording,
+    unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::mean;

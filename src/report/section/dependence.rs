@@ -114,7 +114,7 @@ fn caption(study: &Study) -> String {
     };
     format!(
         "Recorded input minus the torque that the model requires for the measured motion, after a low-pass, in bins of a \
-         variable; rows near rest, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
+         variable; rows near rest or a reversal, where the direction of dry friction is not known, are left out. No line crosses a range without data.{line} Variables that \
          varied together in these recordings have the same curve.{acting}{geometry}"
     )
 }
