@@ -25,7 +25,6 @@ use super::inverse_dynamics::{Regression, block_length};
 use super::regressor::input_along;
 use super::stretch::{Signals, Source, Stretch, Treatment};
 use super::{IdentifyError, Task};
-use crate::math::cumulative_trapezoid;
 use crate::recording::{Channels, LongRecording, Noise, Recording, Rows, differentiate, is_gap};
 
 /// Time after which the response of the filter, applied twice, has decayed to 1e-9 [s Hz]: the
@@ -149,35 +148,45 @@ impl<'a, 'b> Reader<'a, 'b> {
         let alpha = block.alpha.or_else(|| Some(self.integrated(&block.t, block.omega.as_ref()?)));
         let Some(alpha) = alpha else { return };
         let enough = CORE.max(2 * self.margin()) + self.margin();
-        for (k, &t) in block.t.iter().enumerate() {
-            if self.t.last().is_some_and(|before| is_gap(*before, t, self.treatment.step)) {
+        let step = self.treatment.step;
+        let (t, mut from) = (&block.t[..], 0);
+        while from < t.len() {
+            if self.t.last().is_some_and(|before| is_gap(*before, t[from], step)) {
                 self.end_piece();
             }
             if self.t.is_empty() {
-                self.piece = t;
-                self.start.get_or_insert(t);
+                self.piece = t[from];
+                self.start.get_or_insert(t[from]);
             }
-            self.t.push(t);
-            self.alpha.push(alpha[k]);
-            self.omega.extend(block.omega.as_ref().map(|omega| omega[k]));
-            self.torque.push(block.torque[k]);
+            // up to the next gap, and no more than a pass takes
+            let most = (from + self.done + enough - self.dropped - self.t.len()).min(t.len());
+            let to = (from + 1..most).find(|&k| is_gap(t[k - 1], t[k], step)).unwrap_or(most);
+            self.t.extend_from_slice(&t[from..to]);
+            self.alpha.extend_from_slice(&alpha[from..to]);
+            if let Some(omega) = &block.omega {
+                self.omega.extend_from_slice(&omega[from..to]);
+            }
+            self.torque.extend_from_slice(&block.torque[from..to]);
             if self.dropped + self.t.len() >= self.done + enough {
                 self.pass(self.dropped + self.t.len() - self.margin());
             }
+            from = to;
         }
     }
 
-    /// Angles by the trapezoid rule, on from the block before.
+    /// Angles by the trapezoidal rule, on from the block before.
     fn integrated(&mut self, t: &[f64], omega: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let Some(last) = t.len().checked_sub(1) else { return vec![] };
-        let (before, slower, from) = self.last.unwrap_or((t[0], omega[0], [0.0; 2]));
-        let t = [&[before], t].concat();
-        let omega = [&[slower], omega].concat();
-        let change = [0, 1].map(|i| cumulative_trapezoid(&t, |k| omega[k][i]));
-        let alpha: Vec<[f64; 2]> =
-            (1..t.len()).map(|k| [0, 1].map(|i| from[i] + change[i][k])).collect();
-        self.last = Some((t[last + 1], omega[last + 1], alpha[last]));
-        alpha
+        let Some((&first, &speed)) = t.first().zip(omega.first()) else { return vec![] };
+        let (mut before, mut slower, mut alpha) = self.last.unwrap_or((first, speed, [0.0; 2]));
+        let mut out = Vec::with_capacity(t.len());
+        for (&t, &omega) in t.iter().zip(omega) {
+            let half = 0.5 * (t - before);
+            alpha = [0, 1].map(|i| alpha[i] + half * (omega[i] + slower[i]));
+            (before, slower) = (t, omega);
+            out.push(alpha);
+        }
+        self.last = Some((before, slower, alpha));
+        out
     }
 
     fn end_piece(&mut self) {
@@ -222,23 +231,30 @@ impl<'a, 'b> Reader<'a, 'b> {
         if kept.is_empty() {
             return;
         }
-        let source =
-            Source { alpha: self.alpha.clone(), omega: omega.to_vec(), input: self.torque.clone() };
         self.used += kept.len();
         self.stretches += 1;
         let is_measured = (self.stretches - 1).is_multiple_of(self.every);
-        let plain = if is_measured {
-            let noisy = source.clone().with_noise(&self.noise, self.same, &mut self.rng);
-            let of = |source| self.signals(source, &movements);
-            let (plain, noisy) = rayon::join(|| of(&source), || of(&noisy));
-            self.measure_noise(&plain, &noisy, &kept);
-            plain
-        } else {
-            self.signals(&source, &movements)
+        let noisy = is_measured.then(|| self.with_noise(omega));
+        let plain = || self.signals(&self.alpha, omega, &self.torque, &movements);
+        let plain = match &noisy {
+            Some(Source { alpha, omega, input }) => {
+                let noisy = || self.signals(alpha, omega, input, &movements);
+                let (plain, noisy) = rayon::join(plain, noisy);
+                self.measure_noise(&plain, &noisy, &kept);
+                plain
+            }
+            None => plain(),
         };
         for k in kept {
             self.rows.add(self.t[k] - self.piece, &plain, k);
         }
+    }
+
+    /// The rows that are held, with noise added.
+    fn with_noise(&mut self, omega: &[[f64; 2]]) -> Source {
+        let (alpha, input) = (self.alpha.clone(), self.torque.clone());
+        let source = Source { alpha, omega: omega.to_vec(), input };
+        source.with_noise(&self.noise, self.same, &mut self.rng)
     }
 
     /// Adds the contribution of noise in the rows `kept`.
@@ -261,17 +277,19 @@ impl<'a, 'b> Reader<'a, 'b> {
         }
     }
 
-    fn signals(&self, source: &Source, movements: &[Range<usize>]) -> Signals {
+    /// Filtered columns and right-hand side of the rows that are held, from this motion and input.
+    fn signals(
+        &self,
+        alpha: &[[f64; 2]],
+        omega: &[[f64; 2]],
+        input: &[[f64; 2]],
+        movements: &[Range<usize>],
+    ) -> Signals {
         let Regression { task, regressor, .. } = self.regression;
         let all = 0..self.t.len();
-        let input = input_along(task, &self.t, std::slice::from_ref(&all), &source.input);
-        let stretch = Stretch {
-            t: &self.t,
-            start: self.start.unwrap_or(0.0),
-            alpha: &source.alpha,
-            omega: &source.omega,
-            input: &input,
-        };
+        let input = &input_along(task, &self.t, std::slice::from_ref(&all), input);
+        let start = self.start.unwrap_or(0.0);
+        let stretch = Stretch { t: &self.t, start, alpha, omega, input };
         stretch.signals(regressor, task.model, &self.treatment, movements)
     }
 }

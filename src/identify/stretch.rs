@@ -202,23 +202,43 @@ pub(super) struct Stretch<'a> {
     pub(super) input: &'a [[f64; 2]],
 }
 
-/// Filtered columns and right-hand side of both wheels, four signals side by side.
+/// Filtered columns and right-hand side of both wheels in the movements of a stretch.
 pub(super) struct Signals {
     width: usize,
-    /// Four signals each, one behind the other.
+    /// In the order of their rows.
+    movements: Vec<Movement>,
+}
+
+/// Filtered columns and right-hand side of both wheels in one movement.
+struct Movement {
+    rows: Range<usize>,
+    /// Samples before the first row, and after the last one, that the filter needs.
+    edge: usize,
+    /// Four signals side by side each, one group behind the other.
     groups: Vec<Vec<f64x4>>,
 }
 
 impl Signals {
-    /// Column `c` of wheel `wheel` at sample `k`; column `width` is the right-hand side.
+    /// Column `c` of wheel `wheel` at sample `k`, zero outside all movements; column `width` is the right-hand side.
     pub(super) fn at(&self, wheel: usize, c: usize, k: usize) -> f64 {
-        let place = wheel * (self.width + 1) + c;
-        self.groups[place / TOGETHER][k].as_array()[place % TOGETHER]
+        let number = self.movements.partition_point(|movement| movement.rows.end <= k);
+        match self.movements.get(number).filter(|movement| movement.rows.start <= k) {
+            Some(movement) => movement.at(wheel * (self.width + 1) + c, k),
+            None => 0.0,
+        }
+    }
+}
+
+impl Movement {
+    /// The signal at this place among all of both wheels, at sample `k` of the stretch.
+    fn at(&self, place: usize, k: usize) -> f64 {
+        let group = &self.groups[place / TOGETHER];
+        group[self.edge + k - self.rows.start].as_array()[place % TOGETHER]
     }
 }
 
 impl Stretch<'_> {
-    /// Filtered columns and right-hand side within each movement; zero elsewhere.
+    /// Filtered columns and right-hand side within each movement.
     ///
     /// ```text
     /// F(M) = Σ_c θ_c F(column_c),   F(dw) = F(F'(w)) differenced,  M and dw passing F as often
@@ -233,14 +253,9 @@ impl Stretch<'_> {
         treatment: &Treatment,
         movements: &[Range<usize>],
     ) -> Signals {
-        let width = regressor.width();
-        let count = (2 * (width + 1)).div_ceil(TOGETHER);
-        let groups = vec![vec![f64x4::ZERO; self.t.len()]; count];
-        let mut out = Signals { width, groups };
-        for rows in movements.iter().filter(|rows| treatment.holds_rows(rows)) {
-            self.movement(regressor, model, treatment, rows, &mut out);
-        }
-        out
+        let usable = movements.iter().filter(|rows| treatment.holds_rows(rows));
+        let movement = |rows| self.movement(regressor, model, treatment, rows);
+        Signals { width: regressor.width(), movements: usable.map(movement).collect() }
     }
 
     fn movement(
@@ -249,8 +264,7 @@ impl Stretch<'_> {
         model: &Model,
         treatment: &Treatment,
         rows: &Range<usize>,
-        out: &mut Signals,
-    ) {
+    ) -> Movement {
         let sections = treatment.sections(treatment.cutoff);
         let edge = treatment.edge().min(rows.len() - 1);
         let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
@@ -263,9 +277,10 @@ impl Stretch<'_> {
             .map(|w| [w.as_array()[0], w.as_array()[1]])
             .collect();
         let acceleration = differentiate(t, &omega, std::slice::from_ref(&(0..t.len())), 1);
-        let width = out.width;
+        let width = regressor.width();
+        let count = (2 * (width + 1)).div_ceil(TOGETHER);
         // with room for what the filter adds before and after
-        let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; out.groups.len()];
+        let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; count];
         let mut balance = Balance::default();
         for k in 0..t.len() {
             let (w, a) = (omega[k], acceleration[k]);
@@ -289,9 +304,9 @@ impl Stretch<'_> {
                 groups[place / TOGETHER][edge + k].as_mut_array()[place % TOGETHER] += input;
             }
         }
-        for (out, group) in out.groups.iter_mut().zip(&mut groups) {
+        for group in &mut groups {
             filter_within(&sections, group, edge, Extension::Even);
-            out[rows.clone()].copy_from_slice(&group[edge..edge + t.len()]);
         }
+        Movement { rows: rows.clone(), edge, groups }
     }
 }
