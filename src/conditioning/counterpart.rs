@@ -275,11 +275,7 @@ mod tests {
         assert!(said(0.0125).contains("write scale = 0.0125 in alpha1 and alpha2"));
         // a radius of 0.05 m makes the same of metres
         assert!(said(20.0).contains("in m (or a gear of 19.99"), "{}", said(20.0));
-        assert!(
-            said(1.1).contains("1.1000 ± 0.0000 times the slope of its angle"),
-            "{}",
-            said(1.1)
-        );
+        assert!(said(1.1).contains("1.1000 times the slope of its angle"), "{}", said(1.1));
         assert_eq!(said(1.01), "");
     }
 

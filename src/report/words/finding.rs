@@ -128,8 +128,8 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                  motor and wheel write {}",
             gear_scale(ratio)
         ),
-        Kind::Gain { ratio, std_error } => format!(
-            "{name} is {ratio:.4} ± {std_error:.4} times the slope of its angle: one of the two is calibrated wrongly. If it \
+        Kind::Gain { ratio, .. } => format!(
+            "{name} is {ratio:.4} times the slope of its angle: one of the two is calibrated wrongly. If it \
              is the speed, write scale = {:.4} in {name}",
             ratio.map(|ratio| 1.0 / ratio)
         ),
