@@ -33,7 +33,7 @@ fn known() -> impl Iterator<Item = Known> {
 }
 
 /// First bytes of unsupported formats, their names, and remedies.
-const FOREIGN: [(&[u8], &str, &str); 10] = [
+const FOREIGN: [(&[u8], &str, &str); 9] = [
     (b"\x1f\x8b", "compressed (gzip)", "unpack it with `gunzip` first"),
     (b"BZh", "compressed (bzip2)", "unpack it with `bunzip2` first"),
     (b"\x28\xb5\x2f\xfd", "compressed (zstd)", "unpack it with `unzstd` first"),
@@ -50,11 +50,6 @@ const FOREIGN: [(&[u8], &str, &str); 10] = [
         b"TDSm",
         "a TDMS file of LabVIEW",
         "export it as CSV or as .lvm (npTDMS: `tdmsinfo`, `TdmsFile.as_dataframe().to_csv`)",
-    ),
-    (
-        b"\x89HDF\r\n",
-        "an HDF5 file",
-        "write its columns as CSV or Parquet (h5py, `pandas.read_hdf`)",
     ),
 ];
 

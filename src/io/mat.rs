@@ -64,7 +64,7 @@ fn read(path: &Path) -> Result<Vec<Column>, IoError> {
         } else if is_of(CELL) {
             "vectors of numbers (a cell array c of single values: m = cell2mat(c); save(file, 'm', '-v7'))"
         } else {
-            "vectors of numbers (save(file, 't', 'speed_right', …, '-v7') with each as a vector)"
+            "vectors of numbers (save the fields of a structure s with save(file, '-struct', 's', '-v7'))"
         };
         return Err(IoError::nothing(path, "MAT", needed, &found));
     }

@@ -70,7 +70,7 @@ mod tests {
         let log = |rate: f64| {
             let column = |(name, shift): (&str, f64)| PreviewColumn {
                 name: name.into(),
-                values: (0..2000).map(|k| (f64::from(k) / rate + shift).sin()).collect(),
+                values: (0..2000).map(|k| (0.05 * f64::from(k) + shift).sin()).collect(),
                 ..PreviewColumn::default()
             };
             let names = ["w_r", "w_l", "i_r_A", "i_l_A", "u_r_V", "u_l_V"];

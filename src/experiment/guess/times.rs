@@ -152,9 +152,12 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     }
 }
 
+/// No logger of a robot writes rows at this rate \[Hz\].
+const IMPOSSIBLE: f64 = 3e4;
+
 /// Whether the rows would come faster than any logger writes them in the unit that the name of the time states.
 fn is_too_fast(step: f64, one: &Guessed) -> bool {
-    one.unit.is_some() && one.scale.is_none() && 1.0 / (step * seconds(one)) > RATES.1
+    one.unit.is_some() && one.scale.is_none() && 1.0 / (step * seconds(one)) > IMPOSSIBLE
 }
 
 /// Replaces the unit of a name by the longest one that gives the rate of a log: `time_us` in whole seconds.
