@@ -20,6 +20,11 @@ const FEWEST: usize = 10;
 /// close.
 const CLOSE: f64 = 0.03;
 
+/// Smallest deviation of the gain of a speed that is reported: a rounded encoder constant or wheel radius causes less.
+const MISCALIBRATED: f64 = 0.02;
+/// Standard errors of the gain by which it must deviate.
+const CERTAIN: f64 = 5.0;
+
 /// The channel that is converted, and its name.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
@@ -39,10 +44,51 @@ pub(super) fn units_and_signs(work: &mut Conditioned, settings: &Settings, conte
             sign(work, settings, i);
         }
     }
+    for i in [0, 1] {
+        gain(work, i);
+    }
+}
+
+/// Records a speed that is a few per cent larger or smaller than the slope of its angle.
+fn gain(work: &mut Conditioned, i: usize) {
+    let Some((ratio, std_error)) = windows(work, i).and_then(|pairs| slope(&pairs)) else { return };
+    let off = (ratio - 1.0).abs();
+    let is_gear = ratio.max(1.0 / ratio) > GEARS.start;
+    if !is_gear && ratio > 0.0 && off > MISCALIBRATED && off > CERTAIN * std_error {
+        let (channel, kind) = (Channel::Speed(i), Kind::Gain { ratio, std_error });
+        work.findings.push(Finding { channel, kind, action: Action::Noted });
+    }
+}
+
+/// Slope through zero of way over change of the angle, with the standard error that the scatter of the windows gives.
+/// Noise of the angle lowers that of least squares, noise of the speed raises the inverse one of the other regression:
+/// of the two, the one nearer to one.
+fn slope(pairs: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
+    let (aa, wa, ww) = (sum(&|(_, a)| a * a), sum(&|(w, a)| w * a), sum(&|(w, _)| w * w));
+    if pairs.len() < FEWEST || aa <= 0.0 || wa <= 0.0 {
+        return None;
+    }
+    let (low, high) = (wa / aa, ww / wa);
+    let slope = 1.0_f64.clamp(low, high.max(low));
+    // each window counts by its own residual
+    let scatter = sum(&|(w, a)| ((w - slope * a) * a).powi(2));
+    Some((slope, scatter.sqrt() / aa))
 }
 
 /// Speed over slope of the angle, where the windows agree on one.
 fn ratio(work: &Conditioned, i: usize) -> Option<f64> {
+    let pairs = windows(work, i)?;
+    let fast = 0.3 * quantile(pairs.iter().map(|(_, a)| a.abs()), 0.95);
+    let ratios: Vec<f64> =
+        pairs.iter().filter(|(_, a)| fast > 0.0 && a.abs() > fast).map(|(w, a)| w / a).collect();
+    let middle = median_high(ratios.iter().copied());
+    let spread = median_high(ratios.iter().map(|g| (g / middle - 1.0).abs()));
+    (ratios.len() >= FEWEST && spread < 5.0 * CLOSE).then_some(middle)
+}
+
+/// Integral of the speed and change of the angle in every window; `None` without one of the two.
+fn windows(work: &Conditioned, i: usize) -> Option<Vec<(f64, f64)>> {
     let (t, c) = (&work.channels.t, &work.channels);
     let (alpha, omega) = (column(c.alpha.as_ref()?, i), column(c.omega.as_ref()?, i));
     let step = median_step(t);
@@ -57,12 +103,7 @@ fn ratio(work: &Conditioned, i: usize) -> Option<f64> {
             from += length;
         }
     }
-    let fast = 0.3 * quantile(pairs.iter().map(|(_, a)| a.abs()), 0.95);
-    let ratios: Vec<f64> =
-        pairs.iter().filter(|(_, a)| fast > 0.0 && a.abs() > fast).map(|(w, a)| w / a).collect();
-    let middle = median_high(ratios.iter().copied());
-    let spread = median_high(ratios.iter().map(|g| (g / middle - 1.0).abs()));
-    (ratios.len() >= FEWEST && spread < 5.0 * CLOSE).then_some(middle)
+    Some(pairs)
 }
 
 /// Converts both wheels where both ratios, or the one there is, are the same known factor.
@@ -234,7 +275,23 @@ mod tests {
         assert!(said(0.0125).contains("write scale = 0.0125 in alpha1 and alpha2"));
         // a radius of 0.05 m makes the same of metres
         assert!(said(20.0).contains("in m (or a gear of 19.99"), "{}", said(20.0));
-        assert_eq!(said(1.1), "");
+        assert!(said(1.1).contains("1.1000 times the slope of its angle"), "{}", said(1.1));
+        assert_eq!(said(1.01), "");
+    }
+
+    #[test]
+    fn a_speed_whose_gain_is_a_few_per_cent_off_is_reported() {
+        let done = changed(|c| c.omega.iter_mut().flatten().for_each(|v| v[0] *= 1.05));
+        let [found] = done.findings[..] else { panic!("{:?}", done.findings) };
+        assert!(matches!(found.channel, Channel::Speed(0)), "{found:?}");
+        let text = crate::conditioning::Stated::of(&found).to_string();
+        assert!(text.contains("write scale = 0.9524 in dalpha1"), "{text}");
+        // a speed that lags contradicts no gain
+        let lagged = changed(|c| {
+            let rows = c.omega.clone().into_iter().flatten();
+            c.omega = Some(std::iter::repeat_n([0.0; 2], 3).chain(rows).take(2000).collect());
+        });
+        assert!(lagged.findings.iter().all(|f| !matches!(f.kind, Kind::Gain { .. })));
     }
 
     #[test]

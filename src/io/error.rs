@@ -1,11 +1,15 @@
 //! Errors of files, with their messages.
 
+mod phrases;
+
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use polars::prelude::{PolarsError, PolarsResult};
 
+use self::phrases::{assigned, first_line, for_example, in_file, quoted};
+pub(super) use self::phrases::{shortened, shown};
 use crate::recording::RecordingError;
 
 /// An error of a file.
@@ -20,10 +24,12 @@ pub enum IoError {
         reason: String,
     },
     /// A directory in place of a file.
-    #[error("{file} is a directory; name a file in it")]
+    #[error("{file} is a directory; expected a recording or an experiment file: name a file in it{}", for_example(example.as_ref()))]
     Directory {
         /// As the user named it.
         file: String,
+        /// A file in it.
+        example: Option<String>,
     },
     /// A file in place of a folder.
     #[error("{path} is a file; results need a folder, name another with --out")]
@@ -311,37 +317,6 @@ pub enum IoError {
     },
 }
 
-/// A key with what it is given; a list where it takes one.
-fn assigned(key: &str) -> String {
-    if key.ends_with(".plus") { format!("{key} = [\"…\"]") } else { format!("{key} = \"…\"") }
-}
-
-fn in_file(line: Option<usize>) -> String {
-    line.map_or(String::new(), |line| format!(" (line {line} of the file)"))
-}
-
-fn first_line(line: Option<&(usize, String)>) -> String {
-    line.map_or(String::new(), |(number, text)| format!(", line {number} `{text}`"))
-}
-
-fn quoted(text: &str) -> String {
-    if text.is_empty() { "missing".into() } else { format!("`{text}`") }
-}
-
-/// A list as messages show it: logs of robots hold hundreds of names.
-pub(super) fn shortened(list: &str) -> String {
-    const MOST: usize = 2000;
-    match list.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}…", &list[..end]),
-        None => list.into(),
-    }
-}
-
-/// A path as messages show it.
-pub(super) fn shown(path: &Path) -> String {
-    path.display().to_string()
-}
-
 /// What polars reads; damaged files can make it panic (a CSV that ends in an open quote, a changed bit of
 /// Parquet), which is an error like any other.
 pub(super) fn caught<T>(read: impl FnOnce() -> PolarsResult<T>) -> PolarsResult<T> {
@@ -387,9 +362,35 @@ impl IoError {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
                 "; make room, or name a folder on another disk with --out"
             }
-            ErrorKind::ReadOnlyFilesystem => "; name a folder that can be written",
+            ErrorKind::ReadOnlyFilesystem => "; name a folder that can be written with --out",
+            ErrorKind::PermissionDenied => {
+                "; expected a file that can be read: change its permissions (chmod u+r), or copy it to a folder of your own"
+            }
+            ErrorKind::NotFound => "; expected a file: check the name and the folder",
             _ => "",
         };
         Self::System { file: file.display().to_string(), reason: format!("{e}{remedy}") }
+    }
+
+    /// The error of a file or folder that is to be written.
+    pub(super) fn unwritable(file: &Path, e: &std::io::Error) -> Self {
+        if e.kind() != ErrorKind::PermissionDenied {
+            return Self::system(file, e);
+        }
+        // `.` says little
+        let place = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+        let place = place.components().as_path().display().to_string();
+        let reason = format!(
+            "{e}; expected a place that can be written: name another with -o (a file) or --out (a folder), or change the \
+             permissions of the folder (chmod u+w)"
+        );
+        Self::System { file: place, reason }
+    }
+
+    /// The error of a directory in place of a file, with the first file in it by name.
+    pub(super) fn directory(path: &Path) -> Self {
+        let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+        let files = entries.map(|entry| entry.path()).filter(|entry| entry.is_file());
+        Self::Directory { file: shown(path), example: files.min().map(|file| shown(&file)) }
     }
 }

@@ -39,7 +39,7 @@ pub fn path_from(folder: &Path, file: &Path) -> PathBuf {
 /// A directory, a file that cannot be read or is no text.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     if path.is_dir() {
-        return Err(IoError::Directory { file: path.display().to_string() });
+        return Err(IoError::directory(path));
     }
     fs::read_to_string(path).map_err(|e| IoError::system(path, &e))
 }
@@ -79,7 +79,7 @@ pub fn sha256_text(text: &str) -> String {
 /// # Errors
 /// A place that cannot be written.
 pub fn make_folder(path: &Path) -> Result<(), IoError> {
-    fs::create_dir_all(path).map_err(|e| IoError::system(path, &e))
+    fs::create_dir_all(path).map_err(|e| IoError::unwritable(path, &e))
 }
 
 /// Writes a file atomically: into a temporary file in the same folder, which is then renamed.
@@ -99,7 +99,7 @@ pub(super) fn write_whole_by(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let wrong = |e: std::io::Error| IoError::system(path, &e);
+    let wrong = |e: std::io::Error| IoError::unwritable(path, &e);
     let file = tempfile::Builder::new().prefix(UNFINISHED).tempfile_in(folder);
     // the error of the crate names its own temporary file
     let mut file = file.map_err(|e| match e.kind() {
@@ -144,7 +144,7 @@ pub fn check_writable(folder: &Path) -> Result<(), IoError> {
     if !there.is_dir() {
         return Err(IoError::NotAFolder { path: there.display().to_string() });
     }
-    tempfile::tempfile_in(there).map(|_| ()).map_err(|e| IoError::system(there, &e))
+    tempfile::tempfile_in(there).map(|_| ()).map_err(|e| IoError::unwritable(there, &e))
 }
 
 /// Files of an identified model, which a run may or may not write.
@@ -203,7 +203,7 @@ impl ResultFolder {
     /// # Errors
     /// A folder that cannot be made or written, a full disk.
     pub fn write(self) -> Result<PathBuf, IoError> {
-        fs::create_dir_all(&self.path).map_err(|e| IoError::system(&self.path, &e))?;
+        fs::create_dir_all(&self.path).map_err(|e| IoError::unwritable(&self.path, &e))?;
         self.remove_abandoned();
         let staged = self.stage();
         if staged.is_err() {
@@ -217,7 +217,7 @@ impl ResultFolder {
 
     fn stage(&self) -> Result<tempfile::TempDir, IoError> {
         let made = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(&self.path);
-        let staged = made.map_err(|e| IoError::system(&self.path, &e))?;
+        let staged = made.map_err(|e| IoError::unwritable(&self.path, &e))?;
         for (name, bytes) in &self.files {
             fs::File::create(staged.path().join(name))
                 .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))

@@ -33,7 +33,7 @@ fn known() -> impl Iterator<Item = Known> {
 }
 
 /// First bytes of unsupported formats, their names, and remedies.
-const FOREIGN: [(&[u8], &str, &str); 8] = [
+const FOREIGN: [(&[u8], &str, &str); 9] = [
     (b"\x1f\x8b", "compressed (gzip)", "unpack it with `gunzip` first"),
     (b"BZh", "compressed (bzip2)", "unpack it with `bunzip2` first"),
     (b"\x28\xb5\x2f\xfd", "compressed (zstd)", "unpack it with `unzstd` first"),
@@ -46,6 +46,11 @@ const FOREIGN: [(&[u8], &str, &str); 8] = [
     (b"SQLite format 3\0", "a ROS 2 bag in SQLite", "convert it with `ros2 bag convert` to mcap"),
     (b"#ROSBAG V", "a ROS 1 bag", "convert it with `rosbags-convert` to a ROS 2 bag in mcap"),
     (b"PK\x03\x04", "a spreadsheet or an archive", "save it as CSV"),
+    (
+        b"TDSm",
+        "a TDMS file of LabVIEW",
+        "export it as CSV or as .lvm (npTDMS: `tdmsinfo`, `TdmsFile.as_dataframe().to_csv`)",
+    ),
 ];
 
 impl Format {
@@ -57,13 +62,15 @@ impl Format {
         if head.is_empty() {
             return Err(IoError::Empty { file: shown(path) });
         }
-        let foreign = FOREIGN.iter().find(|(magic, ..)| head.starts_with(magic));
+        let extension = path.extension().unwrap_or_default();
+        let named = known().find(|(_, e, _)| extension.eq_ignore_ascii_case(e)).unwrap_or(CSV);
+        // an archive of arrays has the first bytes of any archive
+        let foreign =
+            FOREIGN.iter().find(|(magic, ..)| head.starts_with(magic) && named.2 != *magic);
         if let Some((_, is, remedy)) = foreign {
             let reason = format!("it is {is}; {remedy}");
             return Err(IoError::Format { file: shown(path), format: "recording".into(), reason });
         }
-        let extension = path.extension().unwrap_or_default();
-        let named = known().find(|(_, e, _)| extension.eq_ignore_ascii_case(e)).unwrap_or(CSV);
         match known().find(|(_, _, magic)| !magic.is_empty() && head.starts_with(magic)) {
             Some((_, found, _)) if found != named.1 => {
                 Err(IoError::OtherFormat { file: shown(path), extension: found.into() })

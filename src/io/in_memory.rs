@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::shown;
 use super::recording::{
-    Headers, Place, RawChannels, Source, channels, names_of, side_by_side, wanted,
+    Headers, Place, RawChannels, Source, channels, names_of, side_by_side, time_of, wanted,
 };
 use super::{ColumnMap, IoError};
 
@@ -42,5 +42,6 @@ pub fn table_channels(
     }
     let channels = channels(path, columns, &wanted, &frame, &mut Place::default())?;
     let (rows, name, path) = (channels.t.len(), table.to_owned(), path.to_path_buf());
-    Ok(RawChannels { name, channels, sha256: String::new(), path, is_text: false, rows })
+    let (time, sha256) = (time_of(&wanted, columns), String::new());
+    Ok(RawChannels { name, channels, sha256, path, time, is_text: false, rows })
 }

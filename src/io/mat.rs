@@ -3,7 +3,8 @@
 //! A vector of numbers is a column under its name; a matrix is one column for each of its columns,
 //! `name(:,1)`, `name(:,2)`, or, where it is wider than high, for each of its rows, `name(1,:)`.
 //! The fields of a structure `s` are `s.field`, those of a list of structures, as Simulink exports
-//! signals, `s(1).field`. Single numbers, complex and sparse matrices, text and cells are no columns.
+//! signals, `s(1).field`, and the cells of a cell array `c` are `c{1}`, `c{2}`. Single numbers, complex and sparse matrices
+//! and text are no columns.
 //!
 //! ```text
 //! file    = text:116 bytes  8 bytes  version:u16  "IM" or "MI"  element*
@@ -56,11 +57,23 @@ fn read(path: &Path) -> Result<Vec<Column>, IoError> {
     let columns: Vec<Column> = variables.into_iter().flat_map(|v| v.columns).collect();
     if columns.is_empty() {
         let found = if kinds.is_empty() { "none".into() } else { kinds.join(", ") };
-        let needed = "vectors of numbers (save the fields of a structure s with \
-                      save(file, '-struct', 's', '-v7'))";
+        let is_of = |class: &str| variables_have(&kinds, class);
+        let needed = if is_of(TABLE) {
+            "vectors of numbers (a table or an object T: S = table2struct(T, 'ToScalar', true); save(file, '-struct', \
+             'S', '-v7'))"
+        } else if is_of(CELL) {
+            "vectors of numbers (a cell array c of single values: m = cell2mat(c); save(file, 'm', '-v7'))"
+        } else {
+            "vectors of numbers (save the fields of a structure s with save(file, '-struct', 's', '-v7'))"
+        };
         return Err(IoError::nothing(path, "MAT", needed, &found));
     }
     Ok(columns)
+}
+
+/// Whether one of the variables, written as `name (class)`, is of a class.
+fn variables_have(kinds: &[String], class: &str) -> bool {
+    kinds.iter().any(|kind| kind.ends_with(&format!("({class})")))
 }
 
 /// Whether numbers have their high byte first.
@@ -175,6 +188,12 @@ fn named_matrix(
         variable.columns = fields.unwrap_or_default();
         return Ok(Some(variable));
     }
+    if class == CELL && depth < DEEPEST {
+        let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
+        let cells = cells(&mut bytes, &variable.name, count.min(MOST_COLUMNS), depth);
+        variable.columns = cells.unwrap_or_default();
+        return Ok(Some(variable));
+    }
     if let [rows, columns] = size[..]
         && class == NUMERIC
     {
@@ -185,7 +204,23 @@ fn named_matrix(
     Ok(Some(variable))
 }
 
+/// The columns of the cells of a cell array.
+fn cells(bytes: &mut Bytes, name: &str, count: usize, depth: usize) -> Result<Vec<Column>, Damage> {
+    let mut out = vec![];
+    for k in 0..count {
+        let (kind, data) = element(bytes, "a cell")?;
+        if kind == MATRIX {
+            let place = format!("{name}{{{}}}", k + 1);
+            let inner = named_matrix(data, bytes.big_endian, &place, depth + 1)?;
+            out.extend(inner.map_or(vec![], |v| v.columns));
+        }
+    }
+    Ok(out)
+}
+
 const NUMERIC: &str = "numbers";
+const CELL: &str = "cell";
+const TABLE: &str = "object";
 const STRUCTURE: &str = "struct";
 /// Structures within structures that are looked into.
 const DEEPEST: usize = 4;
@@ -228,11 +263,11 @@ fn class(flags: u32) -> &'static str {
     match flags & 0xff {
         6..=15 if flags & 0x0800 != 0 => "complex",
         6..=15 => NUMERIC,
-        1 => "cell",
+        1 => CELL,
         2 => STRUCTURE,
         4 => "text",
         5 => "sparse",
-        _ => "object",
+        _ => TABLE,
     }
 }
 

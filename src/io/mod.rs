@@ -27,6 +27,8 @@ whole::formats! {
     wpilog,
     mcap,
     mat,
+    npy,
+    npz,
 }
 
 pub use columns::{Column, ColumnMap, contract_units, spellings};

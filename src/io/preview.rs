@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::{format_error, shown};
-use super::recording::{Source, headers};
+use super::recording::{Source, are_same, headers};
 use super::{IoError, csv, parquet};
 
 /// A column with its values; NaN for cells that are not numbers.
@@ -26,6 +26,23 @@ pub struct PreviewColumn {
 /// # Errors
 /// A file that cannot be read, and a text without any number in its columns.
 pub fn preview(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
+    Ok(without_copies(all(path)?))
+}
+
+/// Leaves out columns that have the name and the values of an earlier one: the time beside every signal.
+fn without_copies(columns: Vec<PreviewColumn>) -> Vec<PreviewColumn> {
+    let mut out: Vec<PreviewColumn> = vec![];
+    for column in columns {
+        let is_copy =
+            |c: &PreviewColumn| c.name == column.name && are_same(&c.values, &column.values);
+        if !out.iter().any(is_copy) {
+            out.push(column);
+        }
+    }
+    out
+}
+
+fn all(path: &Path) -> Result<Vec<PreviewColumn>, IoError> {
     let headers = headers(path)?;
     let column = |(name, values): (String, Vec<f64>)| PreviewColumn {
         name,

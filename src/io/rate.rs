@@ -1,4 +1,4 @@
-//! The rate of the rows, where a comment above the table states it.
+//! The rate of the rows, where a line beside the table states it.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::csv::quantity;
 
-/// Comments are looked for in this many bytes at the beginning.
+/// Such lines are looked for in this many bytes at the beginning.
 const HEAD: u64 = 1 << 16;
 /// Words before the value, in lower case and without signs.
 const RATES: [&str; 8] = [
@@ -21,21 +21,21 @@ const RATES: [&str; 8] = [
 ];
 const PERIODS: [&str; 6] = ["ts", "dt", "period", "sampletime", "samplingtime", "sampleperiod"];
 
-/// Time between two rows \[s\] that a comment of a text states, with the comment: `# fs: 100 Hz`, `% Ts = 10 ms`.
-/// A value without a unit is none. `None` also for a file that cannot be read.
+/// Time between two rows \[s\] that a line of a text states, with the line: `# fs: 100 Hz`, `% Ts = 10 ms`, and without
+/// the sign of a comment `Sampling rate;100 Hz`. A value without a unit is none. `None` also for a file that cannot be read.
 #[must_use]
 pub fn stated_period(path: &Path) -> Option<(f64, String)> {
     let file = File::open(path).ok()?;
     let lines = BufReader::new(file.take(HEAD)).split(b'\n').map_while(Result::ok);
     lines.map(|line| String::from_utf8_lossy(&line).trim().to_string()).find_map(|line| {
-        let comment = ["#", "%", "//"].iter().find_map(|sign| line.strip_prefix(sign))?;
-        Some((period(comment)?, line.clone()))
+        let bare = line.trim_start_matches(['#', '%', '/', '"']).trim_end_matches([',', ';', '"']);
+        Some((period(bare)?, line.clone()))
     })
 }
 
 /// The period of `fs: 100 Hz` or `Ts = 0.01 s` \[s\].
 fn period(comment: &str) -> Option<f64> {
-    let (word, value) = comment.split_once([':', '='])?;
+    let (word, value) = comment.split_once([':', '=', ';', ',', '\t'])?;
     let word: String = word.to_lowercase().chars().filter(|c| c.is_ascii_alphanumeric()).collect();
     let (number, unit) = quantity(value.trim())?;
     let seconds = match unit.to_lowercase().as_str() {
@@ -62,6 +62,8 @@ mod tests {
     #[test]
     fn a_comment_states_the_rate_of_the_rows() {
         for (comment, expected) in [
+            ("Sampling rate;100 Hz", Some(0.01)),
+            ("dt,0.02", None),
             (" fs: 100 Hz", Some(0.01)),
             (" Sample rate = 2 kHz", Some(0.0005)),
             ("Ts = 20 ms", Some(0.02)),

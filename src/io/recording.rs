@@ -21,7 +21,7 @@ use self::header::bare;
 pub use self::header::{unknown_unit, without_port};
 use self::headers::headers_of;
 pub use self::headers::{Headers, headers};
-pub(super) use self::headers::{Source, parted};
+pub(super) use self::headers::{Source, are_same, parted};
 use self::missing::missing;
 use super::columns::CONTRACT;
 use super::csv;
@@ -57,6 +57,8 @@ pub struct RawChannels {
     /// SHA-256 of the file; empty for a table in memory.
     pub sha256: String,
     pub(super) path: PathBuf,
+    /// Name of the column of the time, and its unit \[s\].
+    pub(super) time: (String, f64),
     pub(super) is_text: bool,
     /// Rows of the file.
     pub(super) rows: usize,
@@ -71,6 +73,7 @@ impl RawChannels {
         let same = self.channels.t.len() == self.rows;
         Recording::new(self.name, self.channels, drive_unit).map_err(|error| {
             let row = error.row().filter(|_| self.is_text && same);
+            let error = error.of_time(&self.time.0, self.time.1);
             IoError::Recording { line: row.and_then(|r| csv::line_of(&self.path, r)), error }
         })
     }
@@ -100,7 +103,15 @@ pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, Io
     let name = part.map_or(file.clone(), |part| format!("{file}#{part}"));
     let is_text = matches!(headers.source, Source::Text(_));
     let (rows, sha256, path) = (channels.t.len(), sha256(path)?, path.to_path_buf());
-    Ok(RawChannels { name, channels, sha256, path, is_text, rows })
+    let time = time_of(&wanted, columns);
+    Ok(RawChannels { name, channels, sha256, path, time, is_text, rows })
+}
+
+/// Name of the column of the time, and its unit \[s\]; the standard ones without such a column.
+pub(super) fn time_of(wanted: &[(&'static str, String)], columns: &ColumnMap) -> (String, f64) {
+    let name = wanted.iter().find(|(key, _)| *key == "t").map_or("t", |(_, name)| name);
+    let unit = columns.conversion("t", columns.get("t"), self::header::bracketed(name));
+    (name.to_owned(), unit.map_or(1.0, |(factor, _)| factor))
 }
 
 /// The parts of a file that are recordings of their own, by name: the tests of a SysId file. None of
@@ -131,8 +142,9 @@ pub(super) fn names_of(
     let mut names: Vec<String> = wanted.iter().map(|(_, name)| name.clone()).collect();
     names.sort();
     names.dedup();
-    if let Some(twice) = names.iter().find(|n| headers.names.iter().filter(|h| h == n).count() > 1)
-    {
+    let is_repeated = |name: &String| headers.names.iter().filter(|h| *h == name).count() > 1;
+    let differ = |name: &&String| is_repeated(name) && !headers.are_copies(path, name);
+    if let Some(twice) = names.iter().find(differ) {
         return Err(IoError::RepeatedColumn { file: shown(path), column: twice.clone() });
     }
     Ok(names)
@@ -144,7 +156,10 @@ pub(super) fn side_by_side(
     columns: &[(String, Vec<f64>)],
     names: &[String],
 ) -> Result<DataFrame, IoError> {
-    let wanted: Vec<_> = columns.iter().filter(|(name, _)| names.contains(name)).collect();
+    let mut wanted: Vec<_> = columns.iter().filter(|(name, _)| names.contains(name)).collect();
+    // copies are one column
+    let mut seen = std::collections::BTreeSet::new();
+    wanted.retain(|(name, _)| seen.insert(name));
     let unequal = wanted.iter().find(|(_, v)| v.len() != wanted[0].1.len());
     if let Some((column, values)) = unequal {
         return Err(IoError::Unequal {

@@ -59,7 +59,7 @@ pub enum RecordingError {
     },
     /// Time steps that are too small or too large.
     #[error(
-        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"t\", unit = \"{}\" }} }}", short(*step), likely_unit(*step)
+        "{name}: t rises by {} s from row to row; expected {least:e} to {most} s. If its unit is another, declare it: columns = {{ t = {{ name = \"{column}\", unit = \"{}\" }} }}", short(*step), likely_unit(step / unit_s)
     )]
     Step {
         /// Recording.
@@ -70,6 +70,10 @@ pub enum RecordingError {
         least: f64,
         /// Largest allowed step \[s\].
         most: f64,
+        /// Name of the column of the time in its file.
+        column: String,
+        /// Its unit, as it was read \[s\].
+        unit_s: f64,
     },
     /// Columns of different length.
     #[error("{name}: column {column} has {found} rows and t has {expected}")]
@@ -104,15 +108,24 @@ impl RecordingError {
             _ => None,
         }
     }
+
+    /// The same about a time that is called `name` in its file and was read in this unit \[s\].
+    #[must_use]
+    pub(crate) fn of_time(mut self, name: &str, seconds: f64) -> Self {
+        if let Self::Step { column, unit_s, .. } = &mut self {
+            (*column, *unit_s) = (name.into(), seconds);
+        }
+        self
+    }
 }
 
-/// The unit of time in which steps that were read in seconds are those of a log: 2 Hz or more.
+/// Steps of a log \[s\]: 20 kHz to 2 Hz.
+const STEPS: std::ops::Range<f64> = 5e-5..0.5;
+
+/// The unit of time in which steps, as they are in the file, are those of a log.
 fn likely_unit(step: f64) -> &'static str {
-    match step {
-        step if step > 5e5 => "ns",
-        step if step > 500.0 => "us",
-        _ => "ms",
-    }
+    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    units.into_iter().find(|(_, factor)| STEPS.contains(&(step * factor))).map_or("ms", |(u, _)| u)
 }
 
 /// A number of ordinary magnitude in decimal notation, others with an exponent.

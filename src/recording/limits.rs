@@ -40,7 +40,14 @@ pub(super) fn check(
     let smallest = t.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
     if smallest < SMALLEST_STEP || !(step >= STEP.0 && step <= STEP.1) {
         let step = if smallest < SMALLEST_STEP { smallest } else { step };
-        return Err(RecordingError::Step { name: name.into(), step, least: STEP.0, most: STEP.1 });
+        return Err(RecordingError::Step {
+            name: name.into(),
+            step,
+            least: STEP.0,
+            most: STEP.1,
+            column: "t".into(),
+            unit_s: 1.0,
+        });
     }
     Ok(())
 }

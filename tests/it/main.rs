@@ -11,6 +11,7 @@ mod docs;
 mod export;
 mod exported;
 mod face;
+mod first_contact;
 mod formats;
 mod fuzz;
 mod grades;

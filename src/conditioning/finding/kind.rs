@@ -190,6 +190,14 @@ pub enum Kind<C = usize, R = f64> {
         /// Ratio of speed to slope of the angle.
         ratio: R,
     },
+    /// A speed that is this many times the slope of its angle, which is neither a unit nor a gear: one of the two is
+    /// calibrated wrongly.
+    Gain {
+        /// Ratio of speed to slope of the angle.
+        ratio: R,
+        /// Its standard error.
+        std_error: R,
+    },
     /// A channel whose sign contradicts the others.
     Sign,
     /// An input whose work is negative, although friction and inertia absorb energy.
@@ -295,6 +303,7 @@ impl Kind {
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),
             Self::Unit { factor, .. } => ("unit", factor, "1"),
             Self::Gear { ratio } => ("gear", ratio, "1"),
+            Self::Gain { ratio, .. } => ("gain", ratio, "1"),
             Self::Sign => ("sign", -1.0, "1"),
             Self::Opposing => ("opposing", -1.0, "1"),
             Self::Exchanged => ("exchanged", 1.0, "1"),

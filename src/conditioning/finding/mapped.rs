@@ -74,6 +74,9 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             }
             Self::Unit { factor, unit } => Kind::Unit { factor: real(factor), unit },
             Self::Gear { ratio } => Kind::Gear { ratio: real(ratio) },
+            Self::Gain { ratio, std_error } => {
+                Kind::Gain { ratio: real(ratio), std_error: real(std_error) }
+            }
             Self::Sign => Kind::Sign,
             Self::Opposing => Kind::Opposing,
             Self::Exchanged => Kind::Exchanged,
@@ -117,7 +120,9 @@ impl Kind<Span<usize>, Span<f64>> {
     /// Whether a ratio is above one, or a shift above zero: a smaller one means something else.
     fn is_above(self) -> bool {
         match self {
-            Self::Unit { factor: ratio, .. } | Self::Gear { ratio } => ratio.low() > 1.0,
+            Self::Unit { factor: ratio, .. } | Self::Gear { ratio } | Self::Gain { ratio, .. } => {
+                ratio.low() > 1.0
+            }
             Self::Phase { shift_s, .. } => shift_s.low() > 0.0,
             _ => false,
         }

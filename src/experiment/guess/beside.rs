@@ -41,9 +41,14 @@ pub(super) fn matrices(all: &mut [Candidate]) {
 /// Words of a name that is the output of a controller, if it contains no other quantity.
 const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
 
-/// Whether a name contains only a side and the output of a controller: `ctrl_r`, `output_left`.
+/// Words of a share.
+const SHARES: [&str; 4] = ["percent", "pct", "percentage", "fraction"];
+
+/// Whether a name contains only a side and the output of a controller: `ctrl_r`, `output_left`, `Right Output Percent`.
 pub(super) fn is_output(named: &Named) -> bool {
-    let is_one = |w: &String| OUTPUTS.contains(&w.as_str()) || WISHED.contains(&w.as_str());
+    let is_one = |w: &String| {
+        [&OUTPUTS[..], &SHARES, &WISHED].iter().any(|words| words.contains(&w.as_str()))
+    };
     let says = named.rest.iter().any(|w| OUTPUTS.contains(&w.as_str()));
     let has_side = matches!(named.side, Some(Side::Right | Side::Left));
     named.quantity.is_none() && has_side && says && named.rest.iter().all(is_one)

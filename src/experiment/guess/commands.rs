@@ -6,7 +6,7 @@ use super::guessed::{Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
 use super::plain_inputs::is_command;
-use super::values::{largest, values_of, whole};
+use super::values::{largest, short, values_of, whole};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
@@ -143,8 +143,9 @@ impl Range {
     }
 
     /// Its largest deviation as it is printed.
-    fn reaches(&self) -> f64 {
-        (1e4 * self.top).round() / 1e4
+    fn reaches(&self) -> String {
+        let top = (1e4 * self.top).round() / 1e4;
+        if top < 1e7 { top.to_string() } else { short(top, 0) }
     }
 
     /// The question whether the full scale that is assumed is the voltage of the battery in `column`.
@@ -218,12 +219,13 @@ fn millivolts<'a>(inputs: &mut [&mut Guessed], of: impl Fn(&str) -> &'a [f64]) -
     if top < LEAST_MILLIVOLTS {
         let name = &inputs.first()?.name;
         return Some(format!(
-            "`{name}` reaches {top:.0}, which cannot be volts: a share of the battery voltage, or millivolts? Write the volts per unit as scale in M1 and M2"
+            "`{name}` reaches {}, which cannot be volts: a share of the battery voltage, or millivolts? Write the volts per unit as scale in M1 and M2",
+            short(top, 0)
         ));
     }
     for one in inputs {
         one.unit = Some("mV".into());
-        one.evidence.push(format!("up to {top:.0}: millivolts"));
+        one.evidence.push(format!("up to {}: millivolts", short(top, 0)));
     }
     None
 }

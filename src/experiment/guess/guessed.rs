@@ -116,6 +116,8 @@ pub(in crate::experiment) struct Guess {
     pub(in crate::experiment) period_open: bool,
     /// Time between two rows \[s\] that the file states outside its columns.
     pub(in crate::experiment) period: Option<f64>,
+    /// Voltages beside currents, or currents beside voltages, that may be used in place of the input.
+    pub(in crate::experiment) other_input: Option<([Guessed; 2], DriveUnit)>,
 }
 
 /// A column with the interpretation of its name.

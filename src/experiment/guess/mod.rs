@@ -24,6 +24,7 @@ mod pairs;
 mod plain_inputs;
 mod ranges;
 mod relations;
+mod sampled;
 mod samples;
 mod shafts;
 mod shares;
@@ -56,6 +57,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         one_axis: false,
         period_open: false,
         period: None,
+        other_input: None,
     };
     beside::matrices(&mut all);
     unknown_sides::by_pairs_of_words(&mut all);
@@ -181,7 +183,9 @@ impl Wheels {
         let Self { angles, speeds, inputs } = self;
         let mut asked = vec![];
         let motions = [angles.as_ref(), speeds.as_ref()];
+        let (inputs, others) = sampled::order(columns, out, inputs);
         let input = input(columns, inputs, motions, directions, &mut asked);
+        out.other_input = others.filter(|(_, unit)| input.as_ref().is_some_and(|i| i.1 != *unit));
         out.ask_all(asked);
         out.columns.extend(angles.into_iter().flatten());
         out.columns.extend(speeds.into_iter().flatten());

@@ -6,6 +6,7 @@ mod foreign;
 mod interpreted;
 mod measure;
 mod prefixed;
+mod quantities;
 mod unit;
 mod words;
 
@@ -14,8 +15,9 @@ use self::foreign::is_foreign;
 pub(super) use self::interpreted::{Named, Quantity, Side};
 use self::measure::Measure;
 use self::prefixed::take_prefix;
+use self::quantities::TURNS;
 use self::unit::{split_unit, unit, unit_in_front};
-use self::words::{BATTERY, STEPS, SYSTEM, TURNS, WEAK, is_of_wheel, is_quantity, take_quantity};
+use self::words::{BATTERY, STEPS, SYSTEM, WEAK, is_of_wheel, is_quantity, take_quantity};
 pub(super) use self::words::{
     MEASURED, WISHED, is_distance, is_place, leaves_angle_open, leaves_speed_open,
 };
@@ -37,6 +39,7 @@ pub(in crate::experiment::guess) fn named_with(
     let (front, bare) = unit_in_front(bare);
     let mut words: Vec<String> = words(bare).into_iter().map(exchanged).collect();
     compounds::part(&mut words);
+    compounds::join(&mut words);
     compounds::in_context(&mut words);
     // Simulink keeps the values of a signal in a field of it
     if words.len() > 1 && words.last().is_some_and(|w| w == "data") {

@@ -59,6 +59,14 @@ pub(super) fn top_of(values: &[f64]) -> f64 {
     quantile(values.iter().map(|v| v.abs()).filter(|v| v.is_finite()), NEARLY_ALL)
 }
 
+/// Numbers from here on are shown with an exponent.
+const LONG: f64 = 1e7;
+
+/// A number with so many decimals, or with an exponent where its digits would fill the line.
+pub(super) fn short(value: f64, decimals: usize) -> String {
+    if value.abs() < LONG { format!("{value:.decimals$}") } else { format!("{value:.3e}") }
+}
+
 pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::guessed::{Guess, Guessed};
 use super::names::{Quantity, is_place, leaves_angle_open, leaves_speed_open, named};
 use super::times::seconds;
-use super::values::{top_of, values_of};
+use super::values::{short, top_of, values_of};
 use crate::io::PreviewColumn;
 
 /// Wheel speed above which a number is more likely in rpm [rad/s].
@@ -51,10 +51,11 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
         return;
     }
     let digits = if top < 10.0 { 3 } else { 0 };
-    let ground = |by: f64| format!("{:.2}", RADIUS * by * top);
+    let ground = |by: f64| short(RADIUS * by * top, 2);
     let question = first.unit_question(&format!(
-        "up to {top:.digits$}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
+        "up to {}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
          would go {} m/s as rad/s, {} as rpm, {} as deg/s, {} as rev/s)",
+        short(top, digits),
         ground(1.0),
         ground(TAU / 60.0),
         ground(PI / 180.0),

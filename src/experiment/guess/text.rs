@@ -7,7 +7,7 @@ use super::guessed::{About, Guess, Guessed, Question};
 use super::lengths::{Length, Lengths};
 use super::model_key::effects_of;
 use super::names::named;
-use super::samples::never_varies;
+use super::samples::{never_varies, short};
 use super::stated::si;
 use crate::diagnose;
 use crate::io::PreviewColumn;
@@ -171,6 +171,7 @@ pub(in crate::experiment) fn file_text(w: &Written) -> String {
         columns(w.guess),
         held_rows(w.hold)
     );
+    out.push_str(&other_input(w.guess));
     let _ = write!(
         out,
         "drive_unit = {:?}           # \"N m\", \"V\" or \"A\": parameters are estimated per that unit\n{}",
@@ -219,6 +220,21 @@ fn lengths(w: &Written) -> String {
         + &key("r_m", radius, "radius of the wheels", without_radius)
 }
 
+/// The keys for the currents or voltages that are logged beside the input.
+fn other_input(guess: &Guess) -> String {
+    let Some((pair, unit)) = &guess.other_input else { return String::new() };
+    let [right, left] = pair.each_ref().map(entry);
+    let hold = match unit {
+        DriveUnit::Volt => ", hold = \"constant\"",
+        _ => ", without hold",
+    };
+    format!(
+        "# in place of the input above: {right}, {left}\n# with drive_unit = {:?}{hold}, and under [model] {}\n",
+        unit.symbol(),
+        effects_of(*unit)
+    )
+}
+
 fn input_words(unit: DriveUnit) -> &'static str {
     match unit {
         DriveUnit::NewtonMetre => "",
@@ -265,32 +281,28 @@ fn questions(out: &mut String, w: &Written) {
     }
     out.push_str("# Unused columns, with their first values and their range:\n");
     for column in open.iter().take(SHOWN) {
-        let first: Vec<String> = match &column.texts[..] {
-            [] => column.values.iter().take(3).map(|v| short(*v)).collect(),
+        let shown: Vec<String> = match &column.texts[..] {
+            [] => column.values.iter().take(3).map(|v| first(*v)).collect(),
             texts => texts.iter().map(|text| format!("\"{}\"", in_a_line(text))).collect(),
         };
         let finite = || column.values.iter().copied().filter(|v| v.is_finite());
         let (low, high) =
             (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
         let range = if low <= high {
-            format!("{} .. {}", short(low), short(high))
+            format!("{} .. {}", first(low), first(high))
         } else {
             "no numbers".into()
         };
         let _ =
-            writeln!(out, "#   {:<28} {:<32} {range}", in_a_line(&column.name), first.join(", "));
+            writeln!(out, "#   {:<28} {:<32} {range}", in_a_line(&column.name), shown.join(", "));
     }
     if open.len() > SHOWN {
         let _ = writeln!(out, "#   and {} more", open.len() - SHOWN);
     }
 }
 
-fn short(value: f64) -> String {
-    if value.fract() == 0.0 && value.abs() < 1e6 {
-        format!("{value}")
-    } else {
-        format!("{value:.5}")
-    }
+fn first(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e6 { format!("{value}") } else { short(value, 5) }
 }
 
 /// The keys of `columns`; open values are written as `"?"`.

@@ -83,9 +83,19 @@ pub(super) fn no_time(period_open: bool) -> Question {
 
 /// The unit of a time that its name does not state, from its rate.
 pub(super) fn time(values: &[f64], one: &mut Guessed) {
-    let is_known =
-        one.unit.is_some() || one.unit_open || one.nanoseconds.is_some() || one.scale_open;
-    let Some(step) = row_step(values, one.sum).filter(|_| !is_known) else { return };
+    let Some(step) = row_step(values, one.sum) else { return };
+    let is_impossible = is_too_fast(step, one);
+    let is_known = one.unit.is_some() && !is_impossible
+        || one.unit_open
+        || one.nanoseconds.is_some()
+        || one.scale_open;
+    if is_known {
+        return;
+    }
+    if is_impossible {
+        in_slower_unit(step, one);
+        return;
+    }
     let held = || values.iter().copied().filter(|v| v.is_finite());
     let (first, last) = if one.sum {
         (0.0, held().sum())
@@ -142,6 +152,30 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     }
 }
 
+/// No logger of a robot writes rows at this rate \[Hz\].
+const IMPOSSIBLE: f64 = 3e4;
+
+/// Whether the rows would come faster than any logger writes them in the unit that the name of the time states.
+fn is_too_fast(step: f64, one: &Guessed) -> bool {
+    one.unit.is_some() && one.scale.is_none() && 1.0 / (step * seconds(one)) > IMPOSSIBLE
+}
+
+/// Replaces the unit of a name by the longest one that gives the rate of a log: `time_us` in whole seconds.
+fn in_slower_unit(step: f64, one: &mut Guessed) {
+    let stated = one.unit.clone().unwrap_or_default();
+    let units = [("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    let sound = |factor: f64| (RATES.0..RATES.1).contains(&(1.0 / (step * factor)));
+    let Some((unit, factor)) = units.into_iter().rev().find(|(_, factor)| sound(*factor)) else {
+        return;
+    };
+    one.evidence.push(format!(
+        "its name states {stated}, which would be {:.0e} Hz: this is {unit} ({:.0} Hz)",
+        1.0 / (step * seconds(one)),
+        1.0 / (step * factor)
+    ));
+    one.unit = Some(unit.into());
+}
+
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
 
@@ -162,6 +196,12 @@ pub(super) fn row_step(values: &[f64], are_steps: bool) -> Option<f64> {
         (forward().count() as f64, steps.iter().filter(|h| **h == 0.0).count() as f64);
     let step = (count > 0.0).then(|| median_high(forward()))?;
     Some(if repeated > COARSE * count { step * count / (count + repeated) } else { step })
+}
+
+/// Rate of the rows of a time \[Hz\].
+pub(super) fn rate(values: &[f64], one: &Guessed) -> Option<f64> {
+    let step = row_step(values, one.sum)? * seconds(one) * one.scale.unwrap_or(1.0).abs();
+    (step > 0.0).then(|| 1.0 / step)
 }
 
 /// Seconds of a unit of time.

@@ -5,8 +5,8 @@ use super::guessed::{About, Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
 pub(super) use super::samples::{
-    extent, increases, is_constant, is_never_negative, largest, never_varies, top_of, values_of,
-    whole,
+    extent, increases, is_constant, is_never_negative, largest, never_varies, short, top_of,
+    values_of, whole,
 };
 use super::times::{no_time, time, time_question};
 use crate::io::PreviewColumn;
@@ -75,6 +75,7 @@ pub(super) fn is_magnitude(
 pub(super) fn units(columns: &[PreviewColumn], guess: &mut Guess) {
     let of = |name: &str| values_of(columns, name);
     electrical::currents(columns, guess);
+    electrical::speeds(columns, guess);
     let inputs = guess.columns.iter().filter(|c| c.key.starts_with('M'));
     let top = inputs.map(|c| c.scale.unwrap_or(1.0) * top_of(of(&c.name))).fold(0.0, f64::max);
     for one in &mut guess.columns {
@@ -210,7 +211,7 @@ fn whole_inputs(columns: &[PreviewColumn], guess: &mut Guess) {
         }
     };
     let question =
-        first.unit_question(&format!("up to {:.0} in whole numbers: {units}", top(first)));
+        first.unit_question(&format!("up to {} in whole numbers: {units}", short(top(first), 0)));
     guess.ask(question);
     let inputs = guess.columns.iter_mut().filter(|c| c.key.starts_with('M') && c.unit.is_none());
     inputs.for_each(|c| c.unit_open = true);
@@ -221,7 +222,8 @@ fn current(top: f64, one: &mut Guessed) {
     if one.unit.is_none() && top > AMPERES {
         one.unit = Some("mA".into());
         one.evidence.push(format!(
-            "the inputs reach {top:.0}, which would be more than {AMPERES:.0} A: milliamperes"
+            "the inputs reach {}, which would be more than {AMPERES:.0} A: milliamperes",
+            short(top, 0)
         ));
     }
 }

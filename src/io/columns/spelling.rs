@@ -6,10 +6,10 @@ pub(super) fn plain(unit: &str) -> String {
 }
 
 /// Other ways to write a unit.
-pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
-    ("s", &["sec", "secs", "second", "seconds", "sek", "seg", "с", "秒", "초"]),
+pub(super) const SPELLINGS: [(&str, &[&str]); 30] = [
+    ("s", &["sec", "secs", "second", "seconds", "sek", "seg", "с", "сек", "秒", "초"]),
     ("ms", &["мс", "毫秒", "ミリ秒", "밀리초"]),
-    ("rad", &["рад"]),
+    ("rad", &["рад", "弧度"]),
     ("us", &["µs", "μs"]),
     ("min", &["minute", "minutes"]),
     ("h", &["hr", "hrs", "hour", "hours"]),
@@ -18,7 +18,7 @@ pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
         "deg",
         &[
             "degree", "degrees", "°", "graden", "grados", "gradi", "graus", "degrés", "degres",
-            "stopnie", "grader",
+            "stopnie", "grader", "град", "度",
         ],
     ),
     ("rad/s", &["rad/sec", "rads/s", "рад/с", "弧度/秒"]),
@@ -41,6 +41,20 @@ pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
             "omdr/min",
             "ot/min",
             "об/мин",
+            "об/хв",
+            "о/мин",
+            "d/dk",
+            "dev/dk",
+            "devir/dk",
+            "devir/dakika",
+            "vòng/phút",
+            "vong/phut",
+            "v/ph",
+            "putaran/menit",
+            "ford/min",
+            "rot/min",
+            "o/min",
+            "στρ/λεπτό",
             "转/分",
             "回転/分",
         ],
@@ -53,14 +67,15 @@ pub(super) const SPELLINGS: [(&str, &[&str]); 29] = [
     ("in", &["inch", "inches"]),
     ("ft/s", &["ft/sec", "fps"]),
     ("in/s", &["in/sec", "ips"]),
-    ("N m", &["n-m", "нм", "н-м"]),
+    ("N m", &["n-m", "нм", "н-м", "牛米"]),
     ("kgf cm", &["kgf-cm", "kgcm", "kg-cm"]),
     ("oz in", &["oz-in", "ozfin", "ozf-in", "in-oz", "inoz"]),
     ("lb in", &["lb-in", "lbin", "lbfin", "lbf-in", "in-lb", "inlb"]),
     ("lb ft", &["lb-ft", "lbft", "lbfft", "lbf-ft", "ft-lb", "ftlb"]),
-    ("A", &["amp", "amps", "ampere", "amperes", "а"]),
-    ("V", &["volt", "volts", "в"]),
-    ("mA", &["ма"]),
+    ("A", &["amp", "amps", "ampere", "amperes", "а", "安", "安培", "アンペア", "암페어"]),
+    ("V", &["volt", "volts", "в", "伏", "伏特", "ボルト", "볼트"]),
+    ("mA", &["ма", "毫安"]),
+    ("mV", &["мв", "毫伏"]),
 ];
 
 /// Other ways to write a unit of the program, in small letters.

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::super::csv::{self, Layout};
-use super::super::error::shown;
 use super::super::format::Format;
 use super::super::signals::Signals;
 use super::super::whole::Content;
@@ -15,6 +14,28 @@ pub struct Headers {
     /// Names, in order.
     pub names: Vec<String>,
     pub(in crate::io) source: Source,
+}
+
+impl Headers {
+    /// Whether all columns of that name have the same values, as the time beside every signal in files of Simulink.
+    pub(in crate::io) fn are_copies(&self, path: &Path, name: &str) -> bool {
+        let values: Vec<Vec<f64>> = match &self.source {
+            Source::Text(layout) => {
+                let all = csv::all(path, layout).unwrap_or_default().into_iter();
+                all.filter(|c| c.name == name).map(|c| c.values).collect()
+            }
+            Source::Columns(all) => {
+                all.iter().filter(|(n, _)| n == name).map(|(_, values)| values.clone()).collect()
+            }
+            Source::Parquet | Source::Signals(_) => vec![],
+        };
+        values.windows(2).all(|pair| are_same(&pair[0], &pair[1])) && values.len() > 1
+    }
+}
+
+/// Whether values are the same, of which NaN is one.
+pub(in crate::io) fn are_same(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 /// Where the values of the columns are.
@@ -41,7 +62,7 @@ pub fn headers(path: &Path) -> Result<Headers, IoError> {
 
 pub(super) fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoError> {
     if path.is_dir() {
-        return Err(IoError::Directory { file: shown(path) });
+        return Err(IoError::directory(path));
     }
     let columns = |columns: Vec<(String, Vec<f64>)>| {
         (columns.iter().map(|(name, _)| name.clone()).collect(), Source::Columns(columns))

@@ -252,7 +252,7 @@ fn files_without_data_are_named() {
     let read = |p: &Path| {
         read_recording(p, &ColumnMap::default(), DriveUnit::Volt).unwrap_err().to_string()
     };
-    assert!(read(folder.path()).contains("is a directory; name a file in it"));
+    assert!(read(folder.path()).contains("is a directory; expected a recording"));
     assert!(read(&folder.path().join("gone.csv")).contains("gone.csv: No such file"));
 }
 

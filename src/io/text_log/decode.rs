@@ -1,7 +1,11 @@
 //! Bytes to text.
 
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
-use encoding_rs::{Encoding, ISO_8859_2, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250};
+use encoding_rs::{
+    Encoding, ISO_8859_2, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252, WINDOWS_1254,
+};
+
+use crate::io::{side, words};
 
 /// Number of bytes from which the encoding is determined: the same for the beginning of a file and for all of it.
 const SEEN: usize = 1 << 16;
@@ -35,6 +39,10 @@ fn encoding(bytes: &[u8]) -> &'static Encoding {
         found if found == ISO_8859_2 && letters(WINDOWS_1250, seen) >= letters(found, seen) => {
             WINDOWS_1250
         }
+        // the two differ in six letters, Turkish in one and Icelandic in the other
+        found if found == WINDOWS_1252 && sides(WINDOWS_1254, seen) > sides(found, seen) => {
+            WINDOWS_1254
+        }
         found => found,
     }
 }
@@ -42,6 +50,13 @@ fn encoding(bytes: &[u8]) -> &'static Encoding {
 /// Number of letters that bytes are in an encoding.
 fn letters(encoding: &'static Encoding, bytes: &[u8]) -> usize {
     encoding.decode_without_bom_handling(bytes).0.chars().filter(|c| c.is_alphabetic()).count()
+}
+
+/// Number of words for the sides of a robot in the first line of bytes in an encoding.
+fn sides(encoding: &'static Encoding, bytes: &[u8]) -> usize {
+    let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+    let text = encoding.decode_without_bom_handling(first).0;
+    words(&text).iter().filter(|word| side(word).is_some()).count()
 }
 
 /// The text of bytes in any encoding, without byte order mark, and whether they are UTF-8 with lines as other systems
@@ -88,6 +103,7 @@ mod tests {
         assert_eq!(decoded(b"pr\xb9d P;napi\xeacie").0, "prąd P;napięcie");
         assert_eq!(decoded(b"pr\xeadko\x9c\xe6 L").0, "prędkość L");
         assert_eq!(decoded(b"\xf2\xee\xea;\xf1\xea\xee\xf0\xee\xf1\xf2\xfc").0, "ток;скорость");
+        assert_eq!(decoded(b"Sa\xf0 h\xfdz;Sol h\xfdz").0, "Sağ hız;Sol hız");
         // East Asia: two bytes a letter
         let east = |encoding: &'static Encoding, text: &str| {
             let (bytes, ..) = encoding.encode(text);

@@ -128,6 +128,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                  motor and wheel write {}",
             gear_scale(ratio)
         ),
+        Kind::Gain { ratio, .. } => format!(
+            "{name} is {ratio:.4} times the slope of its angle: one of the two is calibrated wrongly. If it \
+             is the speed, write scale = {:.4} in {name}",
+            ratio.map(|ratio| 1.0 / ratio)
+        ),
         Kind::Sign => format!("{name} has the opposite sign of its counterpart and of the input"),
         Kind::Opposing if matches!(channel, Channel::Input(_)) => {
             format!("{name} acts against the motion of its wheel")
@@ -251,7 +256,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
         Kind::Spikes { .. } => "replaced by linear interpolation",
         Kind::Unit { .. } => "converted",
-        Kind::Gear { .. } | Kind::LagsDiffer { .. } => "left as recorded",
+        Kind::Gear { .. } | Kind::Gain { .. } | Kind::LagsDiffer { .. } => "left as recorded",
         Kind::Sign | Kind::Opposing => "sign reversed",
         Kind::Exchanged => "exchanged",
         Kind::Lag { .. } => "advanced by this time",
