@@ -5,7 +5,14 @@ mod wheels;
 mod wild;
 
 fn columns(names: &[&str]) -> Vec<PreviewColumn> {
-    let ramp = |k: usize| if k == 0 { 0.01 } else { 0.3 };
+    // 100 Hz in the unit that the name of the time states
+    let unit = names.first().and_then(|name| names::named(name).unit);
+    let step = match unit {
+        Some("ms") => 10.0,
+        Some("us") => 1e4,
+        _ => 0.01,
+    };
+    let ramp = |k: usize| if k == 0 { step } else { 0.3 };
     let column = |(k, name): (usize, &&str)| PreviewColumn {
         name: (*name).into(),
         values: (0..100)
