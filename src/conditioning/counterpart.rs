@@ -22,7 +22,8 @@ const CLOSE: f64 = 0.03;
 
 /// Smallest deviation of the gain of a speed that is reported: a rounded encoder constant or wheel radius causes less.
 const MISCALIBRATED: f64 = 0.02;
-/// Standard errors of the gain by which it must deviate.
+/// Standard errors of the gain by which it must deviate: those of a mean of ten windows exceed it by chance in one of a
+/// thousand channels (Student's t), those of many windows in one of a million.
 const CERTAIN: f64 = 5.0;
 
 /// The channel that is converted, and its name.

@@ -15,7 +15,7 @@ use crate::math::mean;
 use crate::model::{Model, ModelError};
 use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::robot::State;
-use crate::simulate::{Hold, PhysicalDynamics, SimulateError, every_other};
+use crate::simulate::{Hold, PhysicalDynamics, SimulateError, halved};
 
 /// Relative difference of the errors of two simulations that rounding explains.
 const ROUNDING: f64 = 1e-9;
@@ -112,8 +112,7 @@ impl Judge {
     #[must_use]
     pub fn at_half_rate(&self, model: &Model, p: &[f64]) -> Option<f64> {
         let of = |phase| {
-            let halved = |r: &Recording| r.with_torque(every_other(r, r.torque(), phase));
-            let recordings = self.recordings.iter().map(halved).collect();
+            let recordings = self.recordings.iter().map(|r| halved(r, phase)).collect();
             let judged = Self::new(recordings, self.hold).judge(model, p).ok()?;
             Some(judged.window_rms.powi(2))
         };

@@ -29,7 +29,7 @@ use crate::math::median;
 use crate::model::{Model, inverse_mass};
 use crate::recording::Recording;
 use crate::robot::State;
-use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, every_other, follow_part};
+use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, follow_part, halved};
 
 /// Recordings cut into windows.
 #[derive(Clone)]
@@ -132,8 +132,7 @@ impl<'a> Windows<'a> {
 
     /// The recordings with only every other row of the input.
     pub(super) fn halved(&self, phase: usize) -> Vec<Recording> {
-        let one = |r: &&Recording| r.with_torque(every_other(r, r.torque(), phase));
-        self.recordings.iter().map(one).collect()
+        self.recordings.iter().map(|r| halved(r, phase)).collect()
     }
 
     /// The windows whose number `keep` takes, of the same recordings.

@@ -50,6 +50,11 @@ pub(crate) fn every_other(
     out
 }
 
+/// A recording with only every other row of its input ([`every_other`]).
+pub(crate) fn halved(recording: &Recording, phase: usize) -> Recording {
+    recording.with_torque(every_other(recording, recording.torque(), phase))
+}
+
 /// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its
 /// integral is exact. The end values of every piece are held.
 pub(crate) fn held_later(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f64; 2]> {
