@@ -27,14 +27,15 @@ pub(super) fn lowest_of_balance(
     let latest = (longest / step).ceil().max(-earliest);
     let coarse = |k: usize| (earliest + 0.5 * k as f64) * step;
     let count = ((latest - earliest) / 0.5).ceil() as usize + 1;
-    let lowest = |places: &mut dyn Iterator<Item = usize>| {
-        let squares = places.map(|k| (k, regression.square_at_shift(coarse(k))));
+    let lowest = |places: Vec<usize>| {
+        let shifts: Vec<f64> = places.iter().map(|k| coarse(*k)).collect();
+        let squares = places.into_iter().zip(regression.squares_at_shifts(&shifts));
         squares.min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let apart = ((regression.smooth_over() / (0.5 * step)) as usize).clamp(1, count);
-    let (near, _) = lowest(&mut (0..count).step_by(apart).chain([count - 1]))?;
+    let (near, _) = lowest((0..count).step_by(apart).chain([count - 1]).collect())?;
     let around = near.saturating_sub(apart)..(near + apart + 1).min(count);
-    let (place, square) = lowest(&mut around.into_iter())?;
+    let (place, square) = lowest(around.collect())?;
     let range = [coarse(0), coarse(count - 1)];
     Some(Coarse { shift: coarse(place), range, longest, square })
 }
@@ -52,17 +53,17 @@ pub(super) fn by_balance(
     step: f64,
     coarse: &Coarse,
 ) -> Option<(f64, f64)> {
-    let at = |shift: f64| regression.square_at_shift(shift);
     let h = RESOLUTION * step;
     let fine = |k: i32| coarse.shift + f64::from(k) * h;
+    let around: Vec<f64> = (-4..=4).filter(|k| *k != 0).map(fine).collect();
     let (mut best, mut least) = (coarse.shift, coarse.square);
-    for k in (-4..=4).filter(|k| *k != 0) {
-        let square = at(fine(k));
+    for (shift, square) in around.iter().zip(regression.squares_at_shifts(&around)) {
         if square < least {
-            (best, least) = (fine(k), square);
+            (best, least) = (*shift, square);
         }
     }
-    let (before, after) = (at(best - h), at(best + h));
+    let beside = regression.squares_at_shifts(&[best - h, best + h]);
+    let (before, after) = (beside[0], beside[1]);
     let bend = (before - 2.0 * least + after) / (h * h);
     if !(bend > 0.0 && least > 0.0) {
         return None;

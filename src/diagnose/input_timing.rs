@@ -1,5 +1,7 @@
 //! The time of the recorded input as a nuisance of every model of the diagnosis.
 
+use std::ops::Range;
+
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 use crate::model::Model;
@@ -143,18 +145,27 @@ fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T;
         return m[last];
     }
     let h = t[k + 1] - t[k];
-    let s = (at - t[k]) / h;
-    let (s2, s3) = (s * s, s * s * s);
     let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
-    // weights of the differences of four rows: the slope at a row is that through its neighbours
-    let rise = s2 * 3.0 - s3 * 2.0;
-    let first = (s3 - s2 * 2.0 + s) * (h / (t[k + 1] - t[before]));
-    let second = (s3 - s2) * (h / (t[behind] - t[k]));
-    let [m0, m1, m2, m3] = [m[before], m[k], m[k + 1], m[behind]];
+    let slopes = [h / (t[k + 1] - t[before]), h / (t[behind] - t[k])];
+    let weights = weights_of_cubic((at - t[k]) / h, slopes);
+    cubic(&weights, [m[before], m[k], m[k + 1], m[behind]])
+}
+
+/// Weights of the differences of four rows in a cubic between the middle ones, at the share `s` of their distance. The
+/// slope at a row is that through its neighbours; `slopes`: the distance over that of the neighbours.
+#[inline(always)]
+fn weights_of_cubic<T: Real>(s: T, slopes: [f64; 2]) -> [T; 3] {
+    let (s2, s3) = (s * s, s * s * s);
+    [s2 * 3.0 - s3 * 2.0, (s3 - s2 * 2.0 + s) * slopes[0], (s3 - s2) * slopes[1]]
+}
+
+/// The cubic between the second and the third of four rows.
+#[inline(always)]
+fn cubic<T: Real>([rise, first, second]: &[T; 3], [m0, m1, m2, m3]: [[T; 2]; 4]) -> [T; 2] {
     let mut out = m1;
     for i in 0..2 {
         out[i] =
-            m1[i] + rise * (m2[i] - m1[i]) + first * (m2[i] - m0[i]) + second * (m3[i] - m1[i]);
+            m1[i] + *rise * (m2[i] - m1[i]) + *first * (m2[i] - m0[i]) + *second * (m3[i] - m1[i]);
     }
     out
 }
@@ -177,26 +188,86 @@ pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f
     pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
 }
 
-/// Calls `see` with every so many rows of each piece, and the value of [`shifted`] in them.
-#[inline]
-pub(super) fn each_shifted(
-    every: usize,
-    recording: &Recording,
-    signal: &[[f64; 2]],
+/// A signal of a recording that is delayed, row by row as in [`shifted`].
+pub(super) struct Shifted<'a> {
+    recording: &'a Recording,
+    whole: &'a [[f64; 2]],
     shift: f64,
-    mut see: impl FnMut(usize, [f64; 2]),
-) {
-    for p in recording.pieces() {
-        let (t, signal, mut row) = (&recording.t()[p.clone()], &signal[p.clone()], 0);
-        for k in (0..t.len()).step_by(every) {
-            see(p.start + k, between_rows(t, signal, -shift + t[k], &mut row));
+    /// The piece of the last row, with its times and values.
+    piece: Range<usize>,
+    t: &'a [f64],
+    signal: &'a [[f64; 2]],
+    /// The delay of its rows if these are at equal distances.
+    even: Option<EvenShift>,
+    /// Where in the piece the last instant was found.
+    row: usize,
+}
+
+impl<'a> Shifted<'a> {
+    pub(super) fn new(recording: &'a Recording, whole: &'a [[f64; 2]], shift: f64) -> Self {
+        let (t, signal) = (&[][..], &[][..]);
+        Self { recording, whole, shift, piece: 0..0, t, signal, even: None, row: 0 }
+    }
+
+    /// The value in row `k`; fast for rows in order.
+    #[inline]
+    pub(super) fn at(&mut self, k: usize) -> [f64; 2] {
+        if !self.piece.contains(&k) {
+            self.enter_piece_of(k);
         }
+        let (t, signal, k) = (self.t, self.signal, k - self.piece.start);
+        let inside = self.even.as_ref().and_then(|even| even.at(signal, k));
+        inside.unwrap_or_else(|| between_rows(t, signal, -self.shift + t[k], &mut self.row))
+    }
+
+    fn enter_piece_of(&mut self, k: usize) {
+        let all = || 0..self.recording.len();
+        self.piece = self.recording.piece_of(k).cloned().unwrap_or_else(all);
+        self.t = &self.recording.t()[self.piece.clone()];
+        self.signal = &self.whole[self.piece.clone()];
+        let even = even_step(self.t).map(|step| EvenShift::new(self.shift / step));
+        (self.even, self.row) = (even, 0);
+    }
+}
+
+/// Largest deviation of an instant from equal distances, in rows, for which these stand for it: far below the
+/// resolution of a time of the input, above rounding of times of a day.
+const EVEN: f64 = 1e-9;
+
+/// Step of rows at equal distances \[s\]; `None` of others.
+fn even_step(t: &[f64]) -> Option<f64> {
+    let (first, last) = t.first().zip(t.last())?;
+    let step = (last - first) / (t.len() - 1) as f64;
+    let is_even = |(k, t): (usize, &f64)| (t - first - k as f64 * step).abs() <= EVEN * step;
+    (step > 0.0 && t.iter().enumerate().all(is_even)).then_some(step)
+}
+
+/// A shift of rows at equal distances, whose weights are the same for all rows.
+struct EvenShift {
+    /// Whole rows from a row to the one before its shifted instant.
+    rows: isize,
+    weights: [f64; 3],
+}
+
+impl EvenShift {
+    /// A shift of so many rows to a later time.
+    fn new(later: f64) -> Self {
+        let rows = (-later).floor();
+        Self { rows: rows as isize, weights: weights_of_cubic(-later - rows, [0.5; 2]) }
+    }
+
+    /// The shifted signal in row `k`; `None` near the ends.
+    #[inline(always)]
+    fn at(&self, signal: &[[f64; 2]], k: usize) -> Option<[f64; 2]> {
+        let before = k.checked_add_signed(self.rows)?.checked_sub(1)?;
+        let four = signal.get(before..before.checked_add(4)?)?;
+        Some(cubic(&self.weights, [four[0], four[1], four[2], four[3]]))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{between_rows, later};
+    use super::{EvenShift, between_rows, even_step, later};
     use crate::recording::{Channels, DriveUnit, Recording};
     use crate::simulate::{held_later, mean_later};
 
@@ -222,6 +293,17 @@ mod tests {
                 assert_eq!(between_rows(&t, &m, -shift + t[k], &mut row), whole[k]);
             }
         }
+        // rows at equal distances have the same weights
+        let step = even_step(&t).unwrap();
+        for shift in [-0.013, 0.004, 0.01, 0.025] {
+            let (whole, even) = (later(&t, &m, shift), EvenShift::new(shift / step));
+            for k in 0..t.len() {
+                let found = even.at(&m, k).unwrap_or(whole[k]);
+                assert!((found[0] - whole[k][0]).abs() < 1e-12, "{k} {shift}");
+            }
+            assert!((3..14).all(|k| even.at(&m, k + 1).is_some()));
+        }
+        assert_eq!(even_step(&[0.0, 0.01, 0.021]), None);
     }
 
     #[test]

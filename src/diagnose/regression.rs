@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::by_recording::{ByRecording, ratio};
 use super::candidate::{Candidate, still_instant};
-use super::input_timing::each_shifted;
+use super::input_timing::Shifted;
 use super::smoothed::{Smooth, Smoothed};
 use crate::compare::{FilterBuffer, REST, WIDTH, filter_together, filtered};
 use crate::effects::{Motion, along};
@@ -24,6 +24,8 @@ const KEPT: f64 = 8.0;
 const COLLINEAR: f64 = 1e-4;
 /// Smallest singular value of the columns of the base, as a share of the largest, that is a direction of its own.
 const DEPENDENT: f64 = 1e-8;
+/// Shifts whose sums are formed together: as many as hide the time of an addition.
+const SHIFTS: usize = 8;
 
 /// The rows of all recordings on which candidates are regressed.
 pub struct Regression<'a> {
@@ -186,7 +188,7 @@ impl<'a> Regression<'a> {
         std::array::from_fn(|j| Real::erf(along(j, &m.omega) / width))
     }
 
-    /// Time over which [`Regression::square_at_shift`] hardly changes \[s\]: an eighth of the period of a square of
+    /// Time over which [`Regression::squares_at_shifts`] hardly changes \[s\]: an eighth of the period of a square of
     /// what the low-pass leaves.
     #[must_use]
     pub fn smooth_over(&self) -> f64 {
@@ -199,29 +201,50 @@ impl<'a> Regression<'a> {
         self.residual.norm_squared()
     }
 
-    /// Residual sum of squares of the base with the input `shift` seconds later, which changes the torques by c.
+    /// Residual sums of squares of the base with the input so many seconds later each, which changes the torques by c.
     ///
     /// ```text
     /// |r + (I - QQ')c|² = |r|² + 2 r'c + |c|² - |Q'c|²,   Q'r = 0
     /// ```
     #[must_use]
-    pub fn square_at_shift(&self, shift: f64) -> f64 {
-        let mut changes = Vec::with_capacity(self.rows.len());
-        for smooth in self.smoothed.recordings.iter() {
-            let every = self.every(smooth.recording);
-            // both in the order of the rows
-            let mut rows = self.rows_of(smooth).peekable();
-            each_shifted(every, smooth.recording, &smooth.input, shift, |k, torque| {
-                while let Some((_, _, i)) = rows.next_if(|row| row.1 == k) {
-                    changes.push(torque[i] - smooth.input[k][i]);
-                }
-            });
+    pub fn squares_at_shifts(&self, shifts: &[f64]) -> Vec<f64> {
+        shifts.chunks(SHIFTS).flat_map(|some| self.squares_side_by_side(some)).collect()
+    }
+
+    /// The same of a few shifts, whose sums are formed together: one alone waits for each of its additions.
+    fn squares_side_by_side(&self, shifts: &[f64]) -> Vec<f64> {
+        let (count, base) = (shifts.len(), self.basis.ncols());
+        let mut changes = vec![0.0; self.rows.len() * count];
+        for (n, shift) in shifts.iter().enumerate() {
+            self.each_change(*shift, |row, change| changes[row * count + n] = change);
         }
-        let (base, mut products) = (self.basis.ncols(), vec![0.0; self.width]);
-        add_products((&changes, 1), (&self.beside, self.width), &mut products);
-        let square: f64 = changes.iter().map(|change| change * change).sum();
-        let by_base: f64 = products[..base].iter().map(|product| product * product).sum();
-        (self.residual_square() + 2.0 * products[base] + square - by_base).max(0.0)
+        let mut squares = vec![0.0; count];
+        for row in changes.chunks_exact(count) {
+            squares.iter_mut().zip(row).for_each(|(square, change)| *square += change * change);
+        }
+        let mut products = vec![0.0; count * self.width];
+        add_products((&changes, count), (&self.beside, self.width), &mut products);
+        let of_one = |(square, products): (f64, &[f64])| {
+            let by_base: f64 = products[..base].iter().map(|product| product * product).sum();
+            (self.residual_square() + 2.0 * products[base] + square - by_base).max(0.0)
+        };
+        squares.into_iter().zip(products.chunks_exact(self.width)).map(of_one).collect()
+    }
+
+    /// Calls `see` with the number of every row and the change of its torque with the input `shift` seconds later.
+    fn each_change(&self, shift: f64, mut see: impl FnMut(usize, f64)) {
+        for smooth in self.smoothed.recordings.iter() {
+            let mut later = Shifted::new(smooth.recording, &smooth.input, shift);
+            // both wheels of a row follow each other
+            let (mut last, mut torque) = (usize::MAX, [0.0; 2]);
+            for number in self.numbers_of(smooth) {
+                let (_, k, i) = self.rows[number];
+                if k != last {
+                    (last, torque) = (k, later.at(k));
+                }
+                see(number, torque[i] - smooth.input[k][i]);
+            }
+        }
     }
 
     /// Twice the log-likelihood ratio of a candidate, and the estimates of its columns.
