@@ -188,36 +188,44 @@ pub fn shifted(recording: &Recording, signal: &[[f64; 2]], shift: f64) -> Vec<[f
     pieces.flat_map(|p| later(&recording.t()[p.clone()], &signal[p.clone()], shift)).collect()
 }
 
-/// A signal of a recording that is delayed, row by row as in [`shifted`].
+/// A signal of a recording with several delays, row by row as in [`shifted`].
 pub(super) struct Shifted<'a> {
     recording: &'a Recording,
     whole: &'a [[f64; 2]],
-    shift: f64,
     /// The piece of the last row, with its times and values.
     piece: Range<usize>,
     t: &'a [f64],
     signal: &'a [[f64; 2]],
-    /// The delay of its rows if these are at equal distances.
+    delays: Vec<Delay>,
+}
+
+/// One of the delays of [`Shifted`].
+struct Delay {
+    shift: f64,
+    /// The delay of the rows of the piece if these are at equal distances.
     even: Option<EvenShift>,
     /// Where in the piece the last instant was found.
     row: usize,
 }
 
 impl<'a> Shifted<'a> {
-    pub(super) fn new(recording: &'a Recording, whole: &'a [[f64; 2]], shift: f64) -> Self {
+    pub(super) fn new(recording: &'a Recording, whole: &'a [[f64; 2]], shifts: &[f64]) -> Self {
         let (t, signal) = (&[][..], &[][..]);
-        Self { recording, whole, shift, piece: 0..0, t, signal, even: None, row: 0 }
+        let delays = shifts.iter().map(|shift| Delay { shift: *shift, even: None, row: 0 });
+        Self { recording, whole, piece: 0..0, t, signal, delays: delays.collect() }
     }
 
-    /// The value in row `k`; fast for rows in order.
+    /// Calls `see` with the number of every delay and the value in row `k`; fast for rows in order.
     #[inline]
-    pub(super) fn at(&mut self, k: usize) -> [f64; 2] {
+    pub(super) fn at(&mut self, k: usize, mut see: impl FnMut(usize, [f64; 2])) {
         if !self.piece.contains(&k) {
             self.enter_piece_of(k);
         }
         let (t, signal, k) = (self.t, self.signal, k - self.piece.start);
-        let inside = self.even.as_ref().and_then(|even| even.at(signal, k));
-        inside.unwrap_or_else(|| between_rows(t, signal, -self.shift + t[k], &mut self.row))
+        for (n, Delay { shift, even, row }) in self.delays.iter_mut().enumerate() {
+            let inside = even.as_ref().and_then(|even| even.at(signal, k));
+            see(n, inside.unwrap_or_else(|| between_rows(t, signal, -*shift + t[k], row)));
+        }
     }
 
     fn enter_piece_of(&mut self, k: usize) {
@@ -225,8 +233,10 @@ impl<'a> Shifted<'a> {
         self.piece = self.recording.piece_of(k).cloned().unwrap_or_else(all);
         self.t = &self.recording.t()[self.piece.clone()];
         self.signal = &self.whole[self.piece.clone()];
-        let even = even_step(self.t).map(|step| EvenShift::new(self.shift / step));
-        (self.even, self.row) = (even, 0);
+        let step = even_step(self.t);
+        for Delay { shift, even, row } in &mut self.delays {
+            (*even, *row) = (step.map(|step| EvenShift::new(*shift / step)), 0);
+        }
     }
 }
 

@@ -214,10 +214,7 @@ impl<'a> Regression<'a> {
     /// The same of a few shifts, whose sums are formed together: one alone waits for each of its additions.
     fn squares_side_by_side(&self, shifts: &[f64]) -> Vec<f64> {
         let (count, base) = (shifts.len(), self.basis.ncols());
-        let mut changes = vec![0.0; self.rows.len() * count];
-        for (n, shift) in shifts.iter().enumerate() {
-            self.each_change(*shift, |row, change| changes[row * count + n] = change);
-        }
+        let changes = self.changes(shifts);
         let mut squares = vec![0.0; count];
         for row in changes.chunks_exact(count) {
             squares.iter_mut().zip(row).for_each(|(square, change)| *square += change * change);
@@ -231,20 +228,26 @@ impl<'a> Regression<'a> {
         squares.into_iter().zip(products.chunks_exact(self.width)).map(of_one).collect()
     }
 
-    /// Calls `see` with the number of every row and the change of its torque with the input `shift` seconds later.
-    fn each_change(&self, shift: f64, mut see: impl FnMut(usize, f64)) {
+    /// How the torque of every row changes with the input so many seconds later each, row by row.
+    fn changes(&self, shifts: &[f64]) -> Vec<f64> {
+        let count = shifts.len();
+        let mut changes = vec![0.0; self.rows.len() * count];
         for smooth in self.smoothed.recordings.iter() {
-            let mut later = Shifted::new(smooth.recording, &smooth.input, shift);
+            let mut later = Shifted::new(smooth.recording, &smooth.input, shifts);
             // both wheels of a row follow each other
-            let (mut last, mut torque) = (usize::MAX, [0.0; 2]);
+            let (mut last, mut torques) = (usize::MAX, [[0.0; 2]; SHIFTS]);
             for number in self.numbers_of(smooth) {
                 let (_, k, i) = self.rows[number];
                 if k != last {
-                    (last, torque) = (k, later.at(k));
+                    last = k;
+                    later.at(k, |n, torque| torques[n] = torque);
                 }
-                see(number, torque[i] - smooth.input[k][i]);
+                let now = smooth.input[k][i];
+                let row = changes[number * count..][..count].iter_mut();
+                row.zip(&torques).for_each(|(change, torque)| *change = torque[i] - now);
             }
         }
+        changes
     }
 
     /// Twice the log-likelihood ratio of a candidate, and the estimates of its columns.

@@ -12,7 +12,7 @@ use crate::recording::{DriveUnit, Recording};
 pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
     let mut torque: Vec<f64> =
         recordings.iter().flat_map(|r| r.torque().iter().flatten()).map(|m| m.abs()).collect();
-    torque.sort_by(f64::total_cmp);
+    torque.sort_unstable_by(f64::total_cmp);
     let mut speeds: Vec<f64> =
         recordings.iter().flat_map(|r| r.omega().iter().flatten()).map(|w| w.abs()).collect();
     let place = ((speeds.len() - 1) as f64 * FAST) as usize;

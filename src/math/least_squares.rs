@@ -1,6 +1,6 @@
 //! Weighted linear least squares with a test of identifiability.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, QR};
 
 use super::error::{MathError, check_finite, check_length};
 use super::singular_values::{SingularValues, singular_values};
@@ -94,35 +94,77 @@ pub fn fit_above(
         a.column_iter_mut().for_each(|mut column| column.component_mul_assign(&root));
         b.component_mul_assign(&root);
     }
-    let scale = scale_columns(&mut a);
-    let qr = a.qr();
-    qr.q_tr_mul(&mut b);
-    let rotated = b.rows(0, x.ncols()).into_owned();
-    let svd = singular_values(qr.r());
-    let rank = numerical_rank(&svd.values, share);
+    Ok(Decomposed::new(a, share).fit(b, (x, y, weights), rows))
+}
 
-    let coefficients = solve(&svd, rank, &rotated).component_div(&scale);
-    let unit_covariance = unscale(&pseudo_inverse_of_square(&svd, rank), &scale);
-    let residuals = y - x * &coefficients;
-    let degrees_of_freedom = rows - rank;
-    let residual_variance = weighted_square(&residuals, weights) / degrees_of_freedom as f64;
-    let null_directions = svd.right.columns_range(rank..).into_owned();
-    let unidentifiable = participants(&null_directions);
-    let covariance = with_unidentifiable(&unit_covariance * residual_variance, &unidentifiable);
-    Ok(LinearFit {
-        std_errors: covariance.diagonal().map(f64::sqrt),
-        coefficients,
-        covariance,
-        residuals,
-        residual_variance,
-        degrees_of_freedom,
-        rank,
-        condition: condition(&svd.values),
-        singular_values: svd.values,
-        unidentifiable,
-        null_directions,
-        unit_covariance,
-    })
+/// [`fit_above`] of several right-hand sides on one design matrix, without weights.
+///
+/// # Errors
+/// As [`fit`].
+pub(crate) fn fits_above<const N: usize>(
+    share: f64,
+    x: &DMatrix<f64>,
+    sides: [DVector<f64>; N],
+) -> Result<[LinearFit; N], MathError> {
+    let mut rows = x.nrows();
+    for y in &sides {
+        rows = check(x, y, None)?;
+    }
+    let decomposed = Decomposed::new(x.clone(), share);
+    Ok(sides.map(|y| decomposed.fit(y.clone(), (x, &y, None), rows)))
+}
+
+/// A design matrix with columns of unit norm, decomposed.
+struct Decomposed {
+    scale: DVector<f64>,
+    qr: QR<f64, Dyn, Dyn>,
+    svd: SingularValues,
+    rank: usize,
+}
+
+impl Decomposed {
+    fn new(mut a: DMatrix<f64>, share: f64) -> Self {
+        let scale = scale_columns(&mut a);
+        let qr = a.qr();
+        let svd = singular_values(qr.r());
+        let rank = numerical_rank(&svd.values, share);
+        Self { scale, qr, svd, rank }
+    }
+
+    /// The fit of a right-hand side, `b` with the weights of the decomposed matrix, from so many `rows` of positive
+    /// weight.
+    fn fit(
+        &self,
+        mut b: DVector<f64>,
+        (x, y, weights): (&DMatrix<f64>, &DVector<f64>, Option<&DVector<f64>>),
+        rows: usize,
+    ) -> LinearFit {
+        let Self { scale, qr, svd, rank } = self;
+        qr.q_tr_mul(&mut b);
+        let rotated = b.rows(0, x.ncols()).into_owned();
+        let coefficients = solve(svd, *rank, &rotated).component_div(scale);
+        let unit_covariance = unscale(&pseudo_inverse_of_square(svd, *rank), scale);
+        let residuals = y - x * &coefficients;
+        let degrees_of_freedom = rows - rank;
+        let residual_variance = weighted_square(&residuals, weights) / degrees_of_freedom as f64;
+        let null_directions = svd.right.columns_range(*rank..).into_owned();
+        let unidentifiable = participants(&null_directions);
+        let covariance = with_unidentifiable(&unit_covariance * residual_variance, &unidentifiable);
+        LinearFit {
+            std_errors: covariance.diagonal().map(f64::sqrt),
+            coefficients,
+            covariance,
+            residuals,
+            residual_variance,
+            degrees_of_freedom,
+            rank: *rank,
+            condition: condition(&svd.values),
+            singular_values: svd.values.clone(),
+            unidentifiable,
+            null_directions,
+            unit_covariance,
+        }
+    }
 }
 
 impl LinearFit {

@@ -51,7 +51,7 @@ pub use least_squares::{LinearFit, fit};
 pub(crate) use log_product::LogProduct;
 pub(crate) use moments::{Line, Moments, mean, rms};
 pub use nonnegative::nonnegative;
-pub(crate) use normal_equations::{FewCoefficients, NormalEquations, inverse_of_three};
+pub(crate) use normal_equations::{FewCoefficients, NormalEquations};
 pub(crate) use order::trimmed_mean_square;
 pub use order::{median, median_high, median_step, quantile, quantile_of_sorted, robust_deviation};
 pub(crate) use products::{FILLED, add_own_products, add_products};

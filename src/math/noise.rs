@@ -102,11 +102,17 @@ pub fn quantum(signal: &[f64]) -> Option<f64> {
 /// step (2.0 and 2.1 for 2.08).
 pub(crate) fn grid(signal: &[f64]) -> Option<f64> {
     let least = smallest_change(signal)?;
-    let ratio = |w: &[f64]| (w[1] - w[0]).abs() / least;
-    let multiple = |w: &&[f64]| (ratio(w) - ratio(w).round()).abs() < PRINTED * ratio(w).max(1.0);
+    of_values(signal, least).or_else(|| of_changes(signal, least).then_some(least))
+}
+
+/// Whether 19 of 20 changes are multiples of the smallest one.
+fn of_changes(signal: &[f64], least: f64) -> bool {
+    let multiple = |w: &&[f64]| {
+        let ratio = (w[1] - w[0]).abs() / least;
+        (ratio - whole(ratio)).abs() < PRINTED * ratio.max(1.0)
+    };
     let multiples = signal.windows(2).filter(multiple).count();
-    let is_multiple = multiples as f64 > MULTIPLE_SHARE * signal.len() as f64;
-    of_values(signal, least).or_else(|| is_multiple.then_some(least))
+    multiples as f64 > MULTIPLE_SHARE * signal.len() as f64
 }
 
 /// The step, near the smallest change `least`, on which 19 of 20 values lie, counted from the first.
@@ -115,10 +121,13 @@ fn of_values(signal: &[f64], least: f64) -> Option<f64> {
     let mut ways: Vec<f64> = signal.iter().map(|v| (v - signal[0]).abs()).collect();
     for sizes in [&mut changes, &mut ways] {
         sizes.retain(|size| *size > 0.0);
-        sizes.sort_by(f64::total_cmp);
+        sizes.sort_unstable_by(f64::total_cmp);
     }
     let step = step_of_grid(&ways, step_of_grid(&changes, least));
-    let on = |way: &&f64| (*way / step - (*way / step).round()).abs() < ROUNDED;
+    let on = |way: &&f64| {
+        let ratio = *way / step;
+        (ratio - whole(ratio)).abs() < ROUNDED
+    };
     let share = ways.iter().filter(on).count() as f64 / ways.len() as f64;
     (share > MULTIPLE_SHARE).then_some(step)
 }
@@ -130,7 +139,7 @@ pub(crate) fn step_of_grid(sizes: &[f64], mut step: f64) -> f64 {
     while reach < 2.0 * largest / step {
         let near = sizes.iter().take_while(|d| **d < (reach + 0.5) * step);
         let (size, square) = near.fold((0.0, 0.0), |(size, square), d| {
-            let n = (d / step).round();
+            let n = whole(d / step);
             (size + n * d, square + n * n)
         });
         if square > 0.0 {
@@ -139,6 +148,18 @@ pub(crate) fn step_of_grid(sizes: &[f64], mut step: f64) -> f64 {
         reach *= 2.0;
     }
     step
+}
+
+/// [`f64::round`] of a number that is not negative, without the call that this is where the processor may have no
+/// instruction for it: there is no fraction beyond 2^52.
+fn whole(x: f64) -> f64 {
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
+    if !(x < WHOLE) {
+        return x;
+    }
+    // halves are rounded to even numbers
+    let near = (x + WHOLE) - WHOLE;
+    if x - near == 0.5 { near + 1.0 } else { near }
 }
 
 fn fourth_differences(v: &[f64]) -> Vec<f64> {
@@ -224,6 +245,16 @@ mod tests {
         assert_eq!(quantum(&noise(500, 3)), None);
         assert_eq!(quantum(&[1.0; 9]), None);
         assert_eq!(quantum(&[]), None);
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_by_the_standard_library() {
+        let below = 0.5_f64.next_down();
+        let some = [0.0, below, 0.5, 0.5_f64.next_up(), 1.0, 1.5, 2.5, 3.499, 1e15 + 0.5];
+        for x in some.into_iter().chain([4_503_599_627_370_495.5, 1e16, 1e300, f64::INFINITY]) {
+            assert_eq!(whole(x), x.round(), "{x}");
+        }
+        assert!(whole(f64::NAN).is_nan());
     }
 
     #[test]

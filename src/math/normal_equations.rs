@@ -1,6 +1,6 @@
 //! Linear least squares of a few coefficients, summed row by row.
 
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 /// The sums of a linear least-squares fit `y = x' b + e` with `N` coefficients, for few well-conditioned
 /// columns in inner loops; [`super::least_squares::fit`] also tests identifiability.
@@ -69,19 +69,6 @@ fn scaled_inverse<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SMatrix
     Some(matrix.component_mul(&scale).try_inverse()?.component_mul(&scale))
 }
 
-/// The inverse of a symmetric matrix with positive diagonal, by cofactors: as accurate in any units. `None` if its
-/// determinant is not positive.
-#[inline]
-pub(crate) fn inverse_of_three(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let [a, b, c] = [0, 1, 2].map(|j| matrix[(0, j)]);
-    let (d, e, f) = (matrix[(1, 1)], matrix[(1, 2)], matrix[(2, 2)]);
-    let [aa, ab, ac] = [d * f - e * e, c * e - b * f, b * e - c * d];
-    let [bb, bc, cc] = [a * f - c * c, b * c - a * e, a * d - b * b];
-    let determinant = a * aa + b * ab + c * ac;
-    let cofactors = || Matrix3::new(aa, ab, ac, ab, bb, bc, ac, bc, cc);
-    (determinant > 0.0).then(|| cofactors() * (1.0 / determinant))
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector2;
@@ -106,22 +93,5 @@ mod tests {
     fn equal_columns_have_no_solution() {
         let rows = [(Vector2::new(1.0, 1.0), 1.0), (Vector2::new(2.0, 2.0), 1.0)];
         assert!(NormalEquations::of(rows).solve().is_none());
-    }
-
-    #[test]
-    fn the_inverse_of_three_rows_is_that_of_any_number() {
-        // the sums of a parabola through a second of rows: 1, s, s² and so on in their units
-        let (t, mut matrix) = ([0.0, 0.3, 0.5, 1.1], Matrix3::zeros());
-        for t in t {
-            let row = nalgebra::Vector3::new(1e3, 1e3 * t, 0.5e3 * t * t);
-            matrix += row * row.transpose();
-        }
-        let (found, general) =
-            (inverse_of_three(&matrix).unwrap(), scaled_inverse(&matrix).unwrap());
-        assert!((found - general).amax() < 1e-11 * general.amax());
-        // two rows do not determine three coefficients
-        assert!(
-            inverse_of_three(&Matrix3::new(2.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0)).is_none()
-        );
     }
 }

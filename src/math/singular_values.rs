@@ -101,11 +101,14 @@ fn make_orthogonal(left: &mut DMatrix<f64>, right: &mut DMatrix<f64>, p: usize, 
     true
 }
 
+/// Rotates columns `p` < `q`.
 fn rotate(m: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
-    for row in 0..m.nrows() {
-        let (a, b) = (m[(row, p)], m[(row, q)]);
-        m[(row, p)] = cosine * a - sine * b;
-        m[(row, q)] = sine * a + cosine * b;
+    let rows = m.nrows();
+    let (before, from_q) = m.as_mut_slice().split_at_mut(q * rows);
+    for (first, second) in before[p * rows..][..rows].iter_mut().zip(&mut from_q[..rows]) {
+        let (a, b) = (*first, *second);
+        *first = cosine * a - sine * b;
+        *second = sine * a + cosine * b;
     }
 }
 

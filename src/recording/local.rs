@@ -1,14 +1,15 @@
 //! The local motion around each sample, by smoothing without a model.
 
+mod agreement;
 mod corner;
 
 use std::ops::Range;
 
-use nalgebra::{Matrix3, Vector3};
+use wide::f64x2;
 
-use self::corner::{AGREE, Corner, Corners, around};
+use self::agreement::{Agreement, Fit, Fits};
+use self::corner::{Corner, Corners, around};
 use super::{LocalMotion, Measured, MotionNoise, Recording};
-use crate::math::inverse_of_three;
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
 const HALF_WIDTH: f64 = 0.06;
@@ -63,12 +64,10 @@ impl Recording {
     pub fn local_speed_variance(&self, k: usize, noise: &MotionNoise) -> [f64; 2] {
         let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
         let mut out = LocalMotion::default();
-        let widest = half_width(self, self.rows_per_refresh());
-        for i in 0..2 {
-            let mut parabola = Parabola::new(self, (k, i), noise);
-            parabola.widen(around(piece, k, widest));
-            parabola.fit(&mut out);
-        }
+        let mut parabolas = Parabolas::new(self, k, &weights(self, noise));
+        parabolas.widen(around(piece, k, half_width(self, self.rows_per_refresh())));
+        let fits = parabolas.fit();
+        [0, 1].into_iter().for_each(|i| fits.write(i, &mut out));
         out.omega_variance
     }
 
@@ -82,59 +81,52 @@ impl Recording {
     ) {
         // once for all rows: it counts them
         let refresh = self.rows_per_refresh();
-        for i in 0..2 {
-            // rows that repeat the last value, and counts that hide the speed, show no corner
-            let angles_alone = !self.measured().omega && refresh == 1 && self.reach() == 1;
-            let corners = angles_alone.then(|| Corners::of(self, piece, rows.clone(), i));
-            for (k, out) in rows.clone().zip(out.iter_mut()) {
-                let parabola = Parabola::new(self, (k, i), noise);
-                self.parabola(piece, parabola, refresh, corners.as_ref(), out);
-                if let Some(corners) = &corners {
-                    out.omega_variance[i] += corners.roughness(k, noise.alpha[i]);
-                }
+        // rows that repeat the last value, and counts that hide the speed, show no corner
+        let angles_alone = !self.measured().omega && refresh == 1 && self.reach() == 1;
+        let corners =
+            angles_alone.then(|| [0, 1].map(|i| Corners::of(self, piece, rows.clone(), i)));
+        let halves = half_widths(self, refresh);
+        let weights = weights(self, noise);
+        for (k, out) in rows.zip(out) {
+            let of =
+                |corners: &[Corners; 2]| [corners[0].at(k).copied(), corners[1].at(k).copied()];
+            let at_row = corners.as_ref().map_or([None; 2], of);
+            self.parabola(piece, Parabolas::new(self, k, &weights), &halves, at_row, out);
+            for (i, corners) in corners.iter().flatten().enumerate() {
+                out.omega_variance[i] += corners.roughness(k, noise.alpha[i]);
             }
         }
     }
 
-    /// Angle and speed of a wheel from the widest neighbourhood that agrees with all narrower ones, its
-    /// acceleration from the widest of all.
+    /// Angle and speed of both wheels, each from the widest neighbourhood that agrees with all narrower ones, and their
+    /// accelerations from the widest of all, the last of some half widths.
     fn parabola(
         &self,
         piece: &Range<usize>,
-        mut parabola: Parabola,
-        refresh: usize,
-        corners: Option<&Corners>,
+        mut parabolas: Parabolas,
+        (narrower, widest): &(Vec<usize>, usize),
+        corners: [Option<Corner>; 2],
         out: &mut LocalMotion,
     ) {
-        let (i, k, widest) = (parabola.wheel, parabola.sample, half_width(self, refresh));
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut agreed: Option<LocalMotion> = None;
-        let mut agrees = |fit: &LocalMotion| meets(fit, i, &mut low, &mut high);
-        let corner = corners.and_then(|corners| corners.at(k));
-        if let Some(fit) = parabola.at_row().or_else(|| Some(parabola.at_corner(corner?))) {
-            agrees(&fit);
-            agreed = Some(fit);
-        }
-        let narrowest = if self.measured().omega { 1 } else { 2 } * refresh;
-        // over fewer rows the counts of an encoder do not show the speed
-        let mut half = narrowest.max(self.reach());
-        while half < widest {
-            parabola.widen(around(piece, k, half));
-            let mut fit = *out;
-            parabola.fit(&mut fit);
-            if !agrees(&fit) {
+        let k = parabolas.sample;
+        let mut agreements = [0, 1].map(|i| {
+            let corner = || Some(parabolas.at_corner(i, corners[i].as_ref()?));
+            Agreement::new(i, parabolas.at_row(i).or_else(corner))
+        });
+        for half in narrower {
+            if !agreements.iter().any(|agreement| agreement.goes_on) {
                 break;
             }
-            agreed = Some(fit);
-            half = ((half as f64 * WIDER).round() as usize).max(half + 1);
+            parabolas.widen(around(piece, k, *half));
+            let fits = parabolas.fit();
+            agreements.iter_mut().for_each(|agreement| agreement.see(&fits));
         }
-        parabola.widen(around(piece, k, widest));
-        parabola.fit(out);
-        let all = half >= widest && agrees(out);
-        if let Some(fit) = agreed.filter(|_| !all) {
-            (out.alpha[i], out.omega[i]) = (fit.alpha[i], fit.omega[i]);
-            out.omega_variance[i] = fit.omega_variance[i];
-            out.alpha_variance[i] = fit.alpha_variance[i];
+        parabolas.widen(around(piece, k, *widest));
+        let fits = parabolas.fit();
+        for (i, agreement) in agreements.iter_mut().enumerate() {
+            agreement.see(&fits);
+            fits.write(i, out);
+            agreement.write(out);
         }
     }
 }
@@ -146,140 +138,146 @@ fn half_width(recording: &Recording, refresh: usize) -> usize {
     rows.max(recording.reach())
 }
 
+/// Half widths of the neighbourhoods, ascending, and that of the widest one.
+fn half_widths(recording: &Recording, refresh: usize) -> (Vec<usize>, usize) {
+    let widest = half_width(recording, refresh);
+    let narrowest = if recording.measured().omega { 1 } else { 2 } * refresh;
+    // over fewer rows the counts of an encoder do not show the speed
+    let first = narrowest.max(recording.reach());
+    let wider = |half: &usize| Some(((*half as f64 * WIDER).round() as usize).max(half + 1));
+    let all = std::iter::successors(Some(first), wider);
+    (all.take_while(|half| *half < widest).collect(), widest)
+}
+
+/// Reciprocals of the variances of angle and speed, wheel by wheel; zero for a channel that was not measured.
+fn weights(recording: &Recording, noise: &MotionNoise) -> [f64x2; 2] {
+    let Measured { alpha, omega } = recording.measured();
+    let weight = |measured: bool, sigma: [f64; 2]| {
+        let of = |sigma: f64| 1.0 / (sigma.max(1e-9) * sigma.max(1e-9));
+        f64x2::from(if measured { sigma.map(of) } else { [0.0; 2] })
+    };
+    [weight(alpha, noise.alpha), weight(omega, noise.omega)]
+}
+
 /// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ relative to the
-/// sample, and their products with angle and speed of a wheel.
-struct Parabola<'a> {
+/// sample, and their products with angle and speed, both wheels side by side.
+struct Parabolas<'a> {
     recording: &'a Recording,
     sample: usize,
-    wheel: usize,
-    /// Reciprocal of the variance of angle and speed; zero for a channel that was not measured.
-    weight: [f64; 2],
+    /// See [`weights`].
+    weight: [f64x2; 2],
     range: Range<usize>,
     /// Σ τ^j, j = 0..4.
     powers: [f64; 5],
     /// Σ τ^j (α - α_k), j = 0..2, and Σ τ^j ω, j = 0..1.
-    alpha: [f64; 3],
-    omega: [f64; 2],
+    alpha: [f64x2; 3],
+    omega: [f64x2; 2],
 }
 
-impl<'a> Parabola<'a> {
-    fn new(recording: &'a Recording, (sample, wheel): (usize, usize), noise: &MotionNoise) -> Self {
-        let Measured { alpha, omega } = recording.measured();
-        let sigma = [noise.alpha[wheel], noise.omega[wheel]].map(|sigma| sigma.max(1e-9));
-        let weight = |measured, sigma: f64| if measured { 1.0 / (sigma * sigma) } else { 0.0 };
-        Self {
-            recording,
-            sample,
-            wheel,
-            weight: [weight(alpha, sigma[0]), weight(omega, sigma[1])],
-            range: sample..sample,
-            powers: [0.0; 5],
-            alpha: [0.0; 3],
-            omega: [0.0; 2],
-        }
+impl<'a> Parabolas<'a> {
+    fn new(recording: &'a Recording, sample: usize, weight: &[f64x2; 2]) -> Self {
+        let (alpha, omega) = ([f64x2::ZERO; 3], [f64x2::ZERO; 2]);
+        let (range, powers) = (sample..sample, [0.0; 5]);
+        Self { recording, sample, weight: *weight, range, powers, alpha, omega }
     }
 
-    /// The row itself, if its speed was measured.
-    fn at_row(&self) -> Option<LocalMotion> {
-        let (r, k, i) = (self.recording, self.sample, self.wheel);
-        let [a, w] = self.weight;
+    /// The row itself, if the speed of wheel `i` was measured.
+    fn at_row(&self, i: usize) -> Option<Fit> {
+        let (r, k) = (self.recording, self.sample);
+        let [a, w] = self.weight.map(|weight| weight.to_array()[i]);
         if !(w > 0.0 && r.fresh()[k]) {
             return None;
         }
-        let mut out = LocalMotion::default();
-        (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
-        out.omega_variance[i] = 1.0 / w;
-        out.alpha_variance[i] = if a > 0.0 { 1.0 / a } else { 0.0 };
-        Some(out)
+        let alpha_variance = if a > 0.0 { 1.0 / a } else { 0.0 };
+        let (alpha, omega) = (r.alpha()[k][i], r.omega()[k][i]);
+        Some(Fit { alpha, omega, alpha_variance, omega_variance: 1.0 / w })
     }
 
     /// The same of a corner of the angles.
-    fn at_corner(&self, corner: &Corner) -> LocalMotion {
-        let (i, variance) = (self.wheel, 1.0 / self.weight[0]);
-        let mut out = LocalMotion::default();
-        (out.alpha[i], out.omega[i]) = (corner.alpha, corner.omega);
-        [out.alpha_variance[i], out.omega_variance[i]] = corner.variance.map(|v| v * variance);
-        out
+    fn at_corner(&self, i: usize, corner: &Corner) -> Fit {
+        let variance = 1.0 / self.weight[0].to_array()[i];
+        let [alpha_variance, omega_variance] = corner.variance.map(|v| v * variance);
+        Fit { alpha: corner.alpha, omega: corner.omega, alpha_variance, omega_variance }
     }
 
     /// Adds the rows of a wider range to the sums.
     fn widen(&mut self, to: Range<usize>) {
-        let (r, k, i) = (self.recording, self.sample, self.wheel);
-        let (now, angle) = (r.t()[k], r.alpha()[k][i]);
+        let (r, k) = (self.recording, self.sample);
+        let (now, angle) = (r.t()[k], f64x2::from(r.alpha()[k]));
         for rows in [to.start..self.range.start, self.range.end..to.end] {
             let channels = r.alpha()[rows.clone()].iter().zip(&r.omega()[rows.clone()]);
             let stamps = r.t()[rows.clone()].iter().zip(&r.fresh()[rows]);
             for ((t, fresh), (alpha, omega)) in stamps.zip(channels) {
                 // a row that repeats the last value is not a measurement
-                if !fresh {
-                    continue;
+                if *fresh {
+                    self.add(t - now, f64x2::from(*alpha) - angle, f64x2::from(*omega));
                 }
-                let tau = t - now;
-                let square = tau * tau;
-                for (sum, power) in
-                    self.powers.iter_mut().zip([1.0, tau, square, square * tau, square * square])
-                {
-                    *sum += power;
-                }
-                let (alpha, omega) = (alpha[i] - angle, omega[i]);
-                for (sum, power) in self.alpha.iter_mut().zip([1.0, tau, square]) {
-                    *sum += power * alpha;
-                }
-                self.omega = [self.omega[0] + omega, self.omega[1] + tau * omega];
             }
         }
         self.range = to;
     }
 
-    /// Writes the motion of the wheel; the sample itself if the neighbourhood does not determine it.
+    #[inline]
+    fn add(&mut self, tau: f64, alpha: f64x2, omega: f64x2) {
+        let square = tau * tau;
+        let powers = [1.0, tau, square, square * tau, square * square];
+        self.powers.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
+        self.alpha[0] += alpha;
+        self.alpha[1] += alpha * f64x2::splat(tau);
+        self.alpha[2] += alpha * f64x2::splat(square);
+        self.omega[0] += omega;
+        self.omega[1] += omega * f64x2::splat(tau);
+    }
+
+    /// The motion of the wheels; the sample itself for a wheel whose neighbourhood does not determine it.
     ///
     /// ```text
-    /// rows (1, τ, ½ τ²) of the angle and (0, 1, τ) of the speed
+    /// rows (1, τ, ½ τ²) of the angle and (0, 1, τ) of the speed; the inverse by cofactors
     /// ```
-    fn fit(&self, out: &mut LocalMotion) {
-        let (i, [a, w], [s0, s1, s2, s3, s4]) = (self.wheel, self.weight, self.powers);
-        let measured = a > 0.0;
-        #[rustfmt::skip]
-        let normal = Matrix3::new(
-            if measured { a * s0 } else { 1.0 }, a * s1, 0.5 * a * s2,
-            a * s1, a * s2 + w * s0, 0.5 * a * s3 + w * s1,
-            0.5 * a * s2, 0.5 * a * s3 + w * s1, 0.25 * a * s4 + w * s2,
-        );
+    fn fit(&self) -> Fits {
+        let ([a, w], [s0, s1, s2, s3, s4]) = (self.weight, self.powers.map(f64x2::splat));
+        let half = f64x2::splat(0.5);
+        // without angles their constant is left out
+        let measured = a.to_array().map(|a| a > 0.0);
+        let count = (a * s0).to_array();
+        let count = [0, 1].map(|i| if measured[i] { count[i] } else { 1.0 });
+        let (m00, m01, m02) = (f64x2::from(count), a * s1, half * a * s2);
+        let (m11, m12) = (a * s2 + w * s0, half * a * s3 + w * s1);
+        let m22 = half * half * a * s4 + w * s2;
+        let [c00, c01, c02] = [m11 * m22 - m12 * m12, m02 * m12 - m01 * m22, m01 * m12 - m02 * m11];
+        let [c11, c12, c22] = [m00 * m22 - m02 * m02, m01 * m02 - m00 * m12, m00 * m11 - m01 * m01];
+        let determinant = m00 * c00 + m01 * c01 + m02 * c02;
+        let share = f64x2::ONE / determinant;
         let [v0, v1, v2] = self.alpha;
-        let right =
-            Vector3::new(a * v0, a * v1 + w * self.omega[0], 0.5 * a * v2 + w * self.omega[1]);
-        let (r, k) = (self.recording, self.sample);
-        let Some(covariance) = inverse_of_three(&normal) else {
-            (out.alpha[i], out.omega[i]) = (r.alpha()[k][i], r.omega()[k][i]);
-            return;
-        };
-        let c = covariance * right;
-        (out.alpha[i], out.omega[i]) = (r.alpha()[k][i] + c[0], c[1]);
-        out.acceleration[i] = c[2];
-        let rows = self.rows_per_count();
-        out.omega_variance[i] = rows * covariance[(1, 1)].max(0.0);
-        out.alpha_variance[i] = if measured { rows * covariance[(0, 0)].max(0.0) } else { 0.0 };
+        let right = [a * v0, a * v1 + w * self.omega[0], half * a * v2 + w * self.omega[1]];
+        let times =
+            |row: [f64x2; 3]| (row[0] * right[0] + row[1] * right[1] + row[2] * right[2]) * share;
+        let (alpha, omega) = (times([c00, c01, c02]), times([c01, c11, c12]));
+        let (rows, angle) = (self.rows_per_count(), self.recording.alpha()[self.sample]);
+        let variance = (c00 * share * rows).to_array();
+        Fits {
+            row: (angle, self.recording.omega()[self.sample]),
+            determinant: determinant.to_array(),
+            alpha: (f64x2::from(angle) + alpha).to_array(),
+            omega: omega.to_array(),
+            acceleration: times([c02, c12, c22]).to_array(),
+            alpha_variance: [0, 1].map(|i| if measured[i] { variance[i].max(0.0) } else { 0.0 }),
+            omega_variance: (c11 * share * rows).to_array().map(|v| v.max(0.0)),
+        }
     }
 
     /// Rows of the neighbourhood for each of its counts where the counts of an encoder hide the speed, otherwise one:
     /// the errors of rows with the same count are not independent, so that together they determine the motion like one
     /// row.
-    fn rows_per_count(&self) -> f64 {
-        let (r, i, rows) = (self.recording, self.wheel, &self.range);
+    fn rows_per_count(&self) -> f64x2 {
+        let (r, rows) = (self.recording, &self.range);
         if r.reach() == 1 {
-            return 1.0;
+            return f64x2::ONE;
         }
-        let changes = r.alpha()[rows.clone()].windows(2).filter(|w| w[0][i] != w[1][i]).count();
-        rows.len() as f64 / (1 + changes) as f64
+        let pairs = || r.alpha()[rows.clone()].windows(2);
+        let changes = |i: usize| pairs().filter(|w| w[0][i] != w[1][i]).count();
+        f64x2::from([0, 1].map(|i| rows.len() as f64 / (1 + changes(i)) as f64))
     }
-}
-
-/// Intersects the common interval with that of a fit; whether the intersection is not empty.
-fn meets(fit: &LocalMotion, i: usize, low: &mut f64, high: &mut f64) -> bool {
-    let reach = AGREE * fit.omega_variance[i].sqrt();
-    *low = low.max(fit.omega[i] - reach);
-    *high = high.min(fit.omega[i] + reach);
-    low <= high
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Recording;
 use super::channels::MostNoise;
-use crate::math::least_squares::fit_above;
+use crate::math::least_squares::fits_above;
 use crate::math::{sgn, trimmed_mean_square};
 
 /// Number of coefficients of a wheel.
@@ -53,13 +53,16 @@ pub(super) fn most_noise(recording: &Recording) -> MostNoise {
         }
     };
     let x = DMatrix::from_fn(pairs.len(), COLUMNS, row);
-    let limits = [0, 1].map(|i| {
-        let y = DVector::from_iterator(pairs.len(), pairs.iter().map(|&k| omega[k + 1][i]));
-        let fit = fit_above(RANK, &x, &y, None).ok().filter(|fit| fit.coefficients[i] < MEMORY)?;
+    let next =
+        |i: usize| DVector::from_iterator(pairs.len(), pairs.iter().map(|&k| omega[k + 1][i]));
+    let fits = fits_above(RANK, &x, [next(0), next(1)]).ok();
+    let limit = |i: usize| {
+        let fit = fits.as_ref().map(|fits| &fits[i]).filter(|fit| fit.coefficients[i] < MEMORY)?;
         let residual = trimmed_mean_square(fit.residuals.iter().map(|r| r * r).collect()).sqrt();
         let [by_speeds, by_inputs] = [(0, 2), (2, 4)].map(|(j, n)| fit.coefficients.rows(j, n));
         Some((residual / (1.0 + by_speeds.norm_squared()).sqrt(), residual / by_inputs.norm()))
-    });
+    };
+    let limits = [limit(0), limit(1)];
     let of =
         |value: fn((f64, f64)) -> f64| limits.map(|limits| limits.map_or(f64::INFINITY, value));
     let input = of(|(_, input)| input).into_iter().fold(f64::INFINITY, f64::min);
