@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Accounts, AsRecorded, held_input, more_likely_logging, speed_filter, timing};
+use super::{Accounts, Acting, AsRecorded, acting_input, more_likely_logging, speed_filter, timing};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -124,8 +124,10 @@ fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on
         for truth in [Hold::Constant, Hold::Linear] {
             let mut recording = stepped(&[], truth, seed, |rows| rows);
             let first = started(&model, &mut recording);
-            let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear));
-            assert_eq!(held.is_some(), truth == Hold::Constant, "{seed}");
+            let recordings = [&recording];
+            let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
+            let held = (truth == Hold::Constant).then_some(Acting::Held);
+            assert_eq!(acting_input(&given).map(|known| known.acting), held, "{seed}");
         }
     }
 }
@@ -141,7 +143,10 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     late[0] = late[1];
     recording = recording.with_torque(late);
     let first = started(&model, &mut recording);
-    let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
+    let known =
+        acting_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
+    assert_eq!(known.acting, Acting::Held);
+    let held = known.p;
     // the balance of torques a row late is off by more
     let off = |p: &[f64]| (p[A1] / truth[A1] - 1.0).abs();
     assert!(off(&held) < 0.03 && off(&first) > 2.0 * off(&held), "{held:?} {first:?}");

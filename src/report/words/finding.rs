@@ -177,6 +177,12 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::HeldInput => format!(
             "{name} is held between the rows: the motion follows a held input better than a linear one"
         ),
+        Kind::RowMeans { middle_s } => format!(
+            "{name} is the mean over a row whose middle is {} {} its time: the motion follows an input with these \
+             means better than a linear or a held one",
+            ms(middle_s.map(f64::abs)),
+            if middle_s.low() > 0.0 { "after" } else { "before" }
+        ),
         Kind::Phase { shift_s, std_error_s } => format!(
             "{name} acts {} ± {} {} than in the mean of the recordings: its rows are at another phase of the \
                  controller cycle",
@@ -266,6 +272,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
             "interpolated between the rows, and the noise floor includes the unknown times"
         }
         Kind::LostRows { .. } => "on the line between the rows around them",
+        Kind::RowMeans { .. } => "replaced by the line with these means",
         Kind::HeldInput => "simulated as held (hold = \"linear\" interpolates between the rows)",
         Kind::Phase { .. } => "shifted by this time",
         Kind::StartHeading { .. } => "the angles are shifted",
