@@ -33,8 +33,9 @@ pub struct Known {
 /// Whether the input is held through a row, as by a controller at the rate of the log, is recorded as its mean over a
 /// row, as by a logger that averages, or varies linearly to the next row: the model is fitted with each, and with its
 /// own time of the input. Linear interpolation is kept unless the windows contradict it with odds of twenty to one. If
-/// the error of the model is larger than noise, the time must also be that of a row; or they are compared again with
-/// the effect of the catalogue in the model, other than a second body or a delay, that explains most of the error.
+/// the error of the model is larger than noise, an input must also act at its rows to be held; or they are compared
+/// again with the effect of the catalogue in the model, other than a second body or a delay, that explains most of the
+/// error. With means the error must be that of noise: otherwise the input varies within its rows in yet another way.
 ///
 /// Interpolation reduces the noise of the recorded input; therefore the contribution of noise to the
 /// errors is subtracted in all cases.
@@ -110,7 +111,10 @@ impl Accounts {
         let gain = self.line.iter().sum::<f64>() - account.sum();
         let likely = gain > THRESHOLDS.alike * account.error.powi(2).max(1.0);
         let sure = evidence(&self.line, &account.squares) > THRESHOLDS.alike;
-        likely && sure && (account.is_right() || account.acts_at_rows(self.step))
+        likely
+            && sure
+            && (account.is_right()
+                || account.between == Between::Held && account.acts_at_rows(self.step))
     }
 }
 
@@ -124,13 +128,11 @@ impl Account {
         self.error <= THRESHOLDS.above_floor
     }
 
-    /// Whether its time is zero, or for a mean that of the row before, within an uncertainty of less than what a line
-    /// between rows is late by.
+    /// Whether its time is zero within an uncertainty of less than what a line between rows is late by.
     fn acts_at_rows(&self, step: f64) -> bool {
         let (time, error) = (self.time.0 / step, self.time.1 / step);
-        let from_row = if self.between == Between::Means { time.abs().min((time + 1.0).abs()) } else { time.abs() };
         let uncertain = THRESHOLDS.uncertain * error;
-        from_row <= uncertain && uncertain < THRESHOLDS.logging
+        time.abs() <= uncertain && uncertain < THRESHOLDS.logging
     }
 
     /// With the first `count` parameters, those of the model as given.

@@ -1,10 +1,10 @@
 //! The time of the recorded input as a nuisance of every model of the diagnosis.
 
+use super::row_means::line_with_means;
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 use crate::model::Model;
 use crate::recording::Recording;
-use super::row_means::line_with_means;
 use crate::simulate::{Hold, held_later, mean_later};
 
 /// Error of the time due to interpolation of the input between its rows, in rows.

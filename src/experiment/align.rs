@@ -79,6 +79,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     if !own {
         plan.timing = time_of_input(plan, &start);
+        share = plan.timing.and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
@@ -252,6 +253,23 @@ fn share_of_noise(plan: &Plan, start: &[f64]) -> f64 {
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
     noise_of_jumps(&plan.model, start, &recordings, plan.hold)
+}
+
+/// The share of noise in the differences of an input that acts at its time, if that is far from its row: to a model that
+/// answers to another row, every change of the input is noise. `None` within what logging explains.
+fn share_in_time(plan: &Plan, timing: &Timing) -> Option<f64> {
+    let certain = timing.dead_time_s.abs() - THRESHOLDS.uncertain * timing.std_error_s;
+    let train = plan.of(Role::Train);
+    let step = train.iter().map(Recording::step).fold(0.0, f64::max);
+    if certain <= THRESHOLDS.logging * step {
+        return None;
+    }
+    let later = |r: &Recording| with_later_input(r, timing.dead_time_s, plan.hold);
+    let train: Vec<Recording> = train.iter().map(later).collect();
+    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    let p = start::start(&task, "timing").ok()?;
+    let recordings: Vec<&Recording> = train.iter().collect();
+    Some(noise_of_jumps(&plan.model, &p, &recordings, plan.hold))
 }
 
 /// The training recordings with this share, so that the effects of a low-pass and of interpolation on noise

@@ -1,5 +1,6 @@
 //! The tried steps: those that held-out windows prove, and the effects that remain.
 
+use std::cell::LazyCell;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
@@ -284,15 +285,18 @@ impl Search<'_> {
     /// the error due to the sampling of the input.
     ///
     /// ```text
-    /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
+    /// rms_before² - rms_after² >= min(rms_unresolved², rms_after² - noise²)
     /// ```
-    /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
-    /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few
-    /// windows in which the input changes: it must only exceed the smallest share. An effect that
-    /// [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half the rate.
+    /// The error due to the sampling remains after an effect that exists, so it is at most what noise of the speeds
+    /// leaves of the remaining error. An effect that only compensates for the sampling would have to remove the larger
+    /// part. A shift acts in the few windows in which the input changes: it must only exceed the smallest share. An
+    /// effect that [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half
+    /// the rate. If the error before is less than what the sampling seems to leave open, the rows tell more than every
+    /// other one of them, as those of a controller that answers to each, and half the rate shows nothing.
     fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
-        let open = self.judge.unresolved(&last.model, &last.p);
+        let open = LazyCell::new(|| self.judge.unresolved(&last.model, &last.p));
+        let by_sampling = |after: f64| self.judge.by_sampling(&last.model, &last.p, after);
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
             let (fit, next) = (fits[n - 1], fits[*n]);
@@ -302,8 +306,10 @@ impl Search<'_> {
             let fall = before.powi(2) - after.powi(2);
             let resolved = || {
                 let compensates = between_rows(next) > between_rows(fit);
-                fall >= open.min(after).powi(2)
-                    && (!compensates || self.is_alike_at_half_rate(fit, next, fall))
+                (fall >= after.powi(2) || fall >= by_sampling(after))
+                    && (!compensates
+                        || *open > before
+                        || self.is_alike_at_half_rate(fit, next, fall))
             };
             self.lowers(before, after, next) && (!asked || resolved())
         };
