@@ -16,7 +16,8 @@
 //! ```
 //! With n of one row the variance of counts is also 20/12, that of rounded speeds 6/12 (less if the motion is slow).
 //! In a recording with fast motion the second criterion is not decisive; the decision is then that of the other
-//! recordings of the log. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
+//! recordings of the log, or of the experiment file, if it describes the speeds as counts of an encoder and the ways
+//! from row to row are whole numbers of them: a speed that is rounded to counts per second is not. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
 //! would be shifted by half a row against the other.
 
 use super::finding::{Channel, Finding, Kind};
@@ -91,7 +92,9 @@ pub(super) fn angles(work: &mut Conditioned, settings: &Settings, context: &Cont
     let of = |i: usize| {
         let omega = column(omega, i);
         let counts = |steps: &[f64]| match context.encoders {
-            Encoders::Unknown => counts(&omega, steps),
+            Encoders::Unknown => context.counts[i]
+                .and_then(|step_rad| described(step_rad, &omega, steps))
+                .or_else(|| counts(&omega, steps)),
             Encoders::Known(encoders) => counts_of(encoders[i], &omega, steps),
             Encoders::None => None,
         };
@@ -142,6 +145,17 @@ fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let counts = by_row(omega, steps, step_rad, rows);
     let shown = taken_back(&counts) != Some(false);
     shown.then_some(Counts { step: step_rad, counts, rows })
+}
+
+/// Largest relative difference of the step of a grid from a described count.
+const SAME: f64 = 1e-3;
+
+/// The counts of an encoder that the experiment file describes, if the speeds are differences of them over single rows.
+fn described(step_rad: f64, omega: &[f64], steps: &[f64]) -> Option<Counts> {
+    let sizes = sizes(&ways(omega, steps));
+    let step = on_grid(&sizes, step_rad).filter(|_| sizes.len() >= FEWEST)?;
+    let same = (step / step_rad - 1.0).abs() < SAME;
+    same.then(|| counts_of(Encoder { step_rad, rows: 1 }, omega, steps)).flatten()
 }
 
 /// How far the wheel moved from row to row \[rad\].

@@ -75,6 +75,8 @@ pub struct Context {
     pub speeds_of_angles: Option<f64>,
     /// The encoder of speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
+    /// One count of the encoder of each wheel \[rad\], if the speeds are described as counts.
+    pub counts: [Option<f64>; 2],
     /// The sensors that other recordings of the same log show to be slower.
     pub slow_pair: Option<SlowPair>,
     /// Whether another recording of the same log shows that its rows are even and the stamps those of a receiver.

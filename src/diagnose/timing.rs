@@ -102,7 +102,10 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
     let something_else =
         shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
-    let kept = late || nothing || something_else;
+    // a motion cannot begin before its input: only logging makes it early
+    let latest = dead_time_s + THRESHOLDS.uncertain * std_error_s;
+    let early = shift.is_some() && latest < -scale.logging;
+    let kept = late || nothing || something_else && !early;
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
