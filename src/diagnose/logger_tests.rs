@@ -157,6 +157,20 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     assert!((found.dead_time_s + row).abs() < 0.1 * row, "{found:?}");
 }
 
+#[test]
+fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
+    let model = Model::base(Robot::amigobot());
+    let mut recording = stepped(&[("turning_scrub", 0.1)], Hold::Linear, 43, |rows| rows);
+    let mut late = recording.torque().to_vec();
+    late.rotate_right(1);
+    late[0] = late[1];
+    recording = recording.with_torque(late);
+    let first = started(&model, &mut recording);
+    let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+    let row = recording.step();
+    assert!((found.correction_s + row).abs() < 0.1 * row, "{found:?}");
+}
+
 /// 40 s at 50 Hz of the AmigoBot under torques of several frequencies up to 6 Hz, of which every row records the mean
 /// over the row before it, with speeds of noise 0.005 rad/s.
 fn averaged_input() -> Recording {

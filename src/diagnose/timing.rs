@@ -104,7 +104,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
         shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     // a motion cannot begin before its input: only logging makes it early
     let latest = dead_time_s + THRESHOLDS.uncertain * std_error_s;
-    let early = shift.is_some() && latest < -scale.logging;
+    let early = shift.is_some() && latest < -THRESHOLDS.logging * step;
     let kept = late || nothing || something_else && !early;
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };

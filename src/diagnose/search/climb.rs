@@ -208,6 +208,17 @@ mod tests {
             ranking[first].candidate.id.clone()
         };
         assert_eq!(added(&validation), "turning_scrub");
+        let data =
+            Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
+        let search = Search::new(&base, &starts, &data, &settings).unwrap();
+        let present = search.base(&base, &starts).unwrap();
+        let first = |added: First| {
+            let mut ranking = search.rank(&present, true);
+            ranking.sort_by_key(|r| r.candidate.id == "turning_scrub");
+            let (_, rankings) = search.climb(&present, ranking, added);
+            rankings[0][0].candidate.id.clone()
+        };
+        assert_eq!([First::Given, First::Best].map(first), ["yaw_viscous", "turning_scrub"]);
         assert_eq!(added(&[]), "yaw_viscous");
     }
 }

@@ -69,3 +69,59 @@ fn response(whole: &Errors, moved: [&Errors; 2], steps: [f64; 2]) -> Option<Resp
     let largest = responses.iter().flatten().flatten().fold(0.0, |most: f64, s| most.max(s.abs()));
     (largest > THRESHOLDS.grown_start && largest.is_finite()).then_some(responses)
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::model::base::{A3, A4};
+    use crate::recording::{Channels, DriveUnit, Recording};
+    use crate::robot::{Robot, State};
+    use crate::simulate::{Hold, Input, simulate};
+
+    /// 8 s at 100 Hz on a straight line, in pieces of 1 s that begin with a yaw rate of the noise of the sensor.
+    fn straight(model: &Model, p: &[f64], speed: f64) -> Vec<Recording> {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+        let mut noise = || -> f64 { 0.02 * Distribution::<f64>::sample(&StandardNormal, &mut rng) };
+        let t: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+        let torque = vec![[p[A4], p[A4 + 1]].map(|m: f64| m.copysign(speed)); t.len()];
+        let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+        let run = |n: usize| {
+            let off = noise();
+            let start = State { omega: [speed + off, speed - off], ..State::default() };
+            let motion = simulate(model, p, &input, start).unwrap();
+            let omega = motion.iter().map(|s| s.omega.map(|w| w + noise())).collect();
+            let channels =
+                Channels { t: t.clone(), alpha: None, omega: Some(omega), torque: torque.clone() };
+            Recording::new(format!("straight {n}"), channels, DriveUnit::NewtonMetre).unwrap()
+        };
+        (0..8).map(run).collect()
+    }
+
+    #[test]
+    fn a_yaw_that_grows_is_explained_by_the_start() {
+        let model = Model::base(Robot::amigobot());
+        let mut p = model.initial();
+        // growth by exp(4) in a second at 20 rad/s
+        p[A3] = 0.1 * (p[0] - p[1]);
+        for (speed, grows) in [(20.0, true), (-20.0, false)] {
+            let recordings = straight(&model, &p, speed);
+            let all = Windows::weighted(recordings.iter().collect(), Hold::Linear, &model, &p);
+            let found = all.windows.iter().filter(|w| w.growing.is_some()).count();
+            assert_eq!(found, if grows { all.windows.len() } else { 0 }, "{speed}");
+            let sum = |windows: &Windows| -> f64 {
+                windows.squares(&model, &p).unwrap().iter().sum::<f64>() / windows.values() as f64
+            };
+            // 1600 values: 3.5 % of the sum of their squares
+            assert!((sum(&all) - 1.0).abs() < 0.2, "{speed}: {}", sum(&all));
+            let mut constant = all.clone();
+            constant.windows.iter_mut().for_each(|w| w.growing = None);
+            assert_eq!(sum(&constant) > 2.0, grows, "{speed}: {}", sum(&constant));
+            let sums = all.sums(&model, &p, &[0, 1]).unwrap();
+            let squares = all.squares(&model, &p).unwrap();
+            assert!(sums.iter().zip(&squares).all(|(s, q)| (s.square / q - 1.0).abs() < 1e-9));
+        }
+    }
+}
