@@ -155,6 +155,10 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
 }
 
 fn take_side(words: &mut Vec<String>) -> Option<Side> {
+    // `speed_right_left(:,1)` is of either wheel
+    if ["right", "left"].iter().all(|side| words.iter().any(|word| word == side)) {
+        return take_number(words);
+    }
     let side = |word: &str| {
         side(word).map(|side| match side {
             WheelSide::Right => Side::Right,
@@ -204,6 +208,11 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
         words[k] = word[..1].to_string();
         return side(&word[1..]);
     }
+    take_number(words)
+}
+
+/// Takes the last number of a wheel off the words.
+fn take_number(words: &mut Vec<String>) -> Option<Side> {
     let number = words.iter().rposition(|w| matches!(w.as_str(), "0" | "1" | "2"))?;
     words.remove(number).parse().ok().map(Side::Numbered)
 }
@@ -338,6 +347,7 @@ mod tests {
             ("left rotations/s", Some(Speed), Some(Left), Some("rev/s")),
             ("right_revs_per_sec", Some(Speed), Some(Right), Some("rev/s")),
             ("wheel_left_rotations_per_second", Some(Speed), Some(Left), Some("rev/s")),
+            ("wheel_speed_right_left(:,2)", Some(Speed), Some(Numbered(2)), None),
             ("1.velocity [Hz]", Some(Speed), Some(Numbered(1)), Some("rev/s")),
             ("/feedback/drivers[0]/measured_travel", Some(Angle), Some(Numbered(0)), None),
             ("drivers[1]/speed [rpm]", Some(Speed), Some(Numbered(1)), Some("rpm")),
