@@ -52,7 +52,7 @@ pub enum ExperimentError {
     /// No method has a fit that can be simulated; the report states the reason of each.
     #[error("{reason}; report: {}", report.display())]
     Unfitted {
-        /// The reasons.
+        /// Why each method has no fit, or why the fits cannot be simulated.
         reason: RunError,
         /// Path of the report.
         report: PathBuf,

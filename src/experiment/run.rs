@@ -24,7 +24,7 @@ pub fn run(plan: &Plan) -> Result<Study, RunError> {
 
 /// Why an experiment has no model, and what a report can still show.
 pub(super) struct Unfitted {
-    /// The reason.
+    /// Why no fit can be simulated.
     pub(super) reason: RunError,
     /// The recordings, and the methods with their reasons; `None` if methods have fits that can be simulated.
     pub(super) study: Option<Box<Study>>,
