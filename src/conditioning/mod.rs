@@ -39,6 +39,7 @@ mod signal;
 mod speeds;
 mod spikes;
 mod stale;
+mod thresholds;
 mod wheels;
 
 pub use align::{SlowPair, common_slow_pair};
@@ -49,6 +50,7 @@ pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use lost::held_over_lost_rows;
 pub use settings::Settings;
 pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};
+pub use thresholds::{IMPORT, ImportThresholds};
 
 use crate::recording::Channels;
 

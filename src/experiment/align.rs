@@ -1,6 +1,7 @@
 //! Preparation of the training recordings before identification: initial values of shape parameters, and the
 //! time of the recorded input.
 
+use super::between_rows::note_unknown_course;
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
@@ -81,6 +82,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         plan.timing = time_of_input(plan, &start);
         share = plan.timing.and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
+    note_unknown_course(plan);
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
     apply_timing(plan);

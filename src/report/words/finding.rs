@@ -174,6 +174,13 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} is held from row to row, but its values in {} that the logger lost are unknown",
             one(rows, "row")
         ),
+        Kind::OneSampleARow { half_row_s } => format!(
+            "{name} acts half a row late or is held, as an input that changes at the rows; its course between them is not \
+             recorded. A current that the drive regulates is constant there; that of a motor under a constant voltage \
+             falls as the motor gains speed, and a1 and a2 are then too large by the share of {} in the mechanical time \
+             constant of the motor, which their intervals do not contain (record the voltages, or more rows)",
+            ms(half_row_s)
+        ),
         Kind::HeldInput => format!(
             "{name} is held between the rows: the motion follows a held input better than a linear one"
         ),
@@ -262,7 +269,10 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
         Kind::Spikes { .. } => "replaced by linear interpolation",
         Kind::Unit { .. } => "converted",
-        Kind::Gear { .. } | Kind::Gain { .. } | Kind::LagsDiffer { .. } => "left as recorded",
+        Kind::Gear { .. }
+        | Kind::Gain { .. }
+        | Kind::LagsDiffer { .. }
+        | Kind::OneSampleARow { .. } => "left as recorded",
         Kind::Sign | Kind::Opposing => "sign reversed",
         Kind::Exchanged => "exchanged",
         Kind::Lag { .. } => "advanced by this time",
