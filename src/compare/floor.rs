@@ -106,7 +106,7 @@ fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
     let ise = [0, 1].map(|i| {
         speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
     });
-    let known = 0.5 * (speed[0] + speed[1]) + start.square + slow.square;
+    let known = sensors(recording, start.square) + slow.square;
     let window_rms = (known + input(jumps.square, half.square)).sqrt();
     let window_most = (known + f64::max(noise * jumps.square, half.square)).sqrt();
     Ok(Floor { ise, window_rms, window_most, window_slow: slow.square.sqrt() })
@@ -133,6 +133,31 @@ pub fn unresolved(
         Ok(runs.by_every_other_row()?.square)
     };
     Ok(pooled(recordings, square)? * BETWEEN_ROWS)
+}
+
+/// Root mean square error over windows of 2 s [rad/s] of a correct model on recordings, by the noise of their speeds and
+/// of the initial states alone: the [`noise_floor`] for an input that is known at all times.
+///
+/// # Errors
+/// The mass matrix is not positive definite.
+pub fn sensor_floor(
+    dynamics: &dyn Dynamics,
+    recordings: &[Recording],
+    hold: Hold,
+    seed: u64,
+) -> Result<f64, SimulateError> {
+    let square = |recording: &Recording| {
+        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
+        let start = runs.by_start_noise(&mut ChaCha8Rng::seed_from_u64(seed))?;
+        Ok(sensors(recording, start.square))
+    };
+    pooled(recordings, square)
+}
+
+/// Mean square over both wheels [rad^2/s^2] of noise of the speeds, and of what noise of the initial state causes.
+fn sensors(recording: &Recording, start: f64) -> f64 {
+    let speed = recording.motion_noise().omega;
+    0.5 * (speed[0].powi(2) + speed[1].powi(2)) + start
 }
 
 /// [`noise_floor`] over the windows of all recordings.

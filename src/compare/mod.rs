@@ -23,7 +23,9 @@ pub use curve::{Curve, CurveBin};
 pub use curves::{Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
 pub(crate) use error::{WINDOW, start_of};
-pub use floor::{Floor, WindowFloor, noise_floor, pooled_floor, unresolved, window_floor};
+pub use floor::{
+    Floor, WindowFloor, noise_floor, pooled_floor, sensor_floor, unresolved, window_floor,
+};
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use input_noise::noisier_input;
 pub use low_pass::{FilterBuffer, filter_together, filtered, smooth_motion};

@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{column, median_high, median_step, pieces, quantile};
+use super::thresholds::IMPORT;
 use super::{Conditioned, Context, Settings};
 
 /// Length of a window \[s\], and its rows at least: long enough for the steps of an encoder to be
@@ -19,12 +20,6 @@ const FEWEST: usize = 10;
 /// Relative tolerance of a known factor: rounding of a logger is smaller, and no two factors are as
 /// close.
 const CLOSE: f64 = 0.03;
-
-/// Smallest deviation of the gain of a speed that is reported: a rounded encoder constant or wheel radius causes less.
-const MISCALIBRATED: f64 = 0.02;
-/// Standard errors of the gain by which it must deviate: those of a mean of ten windows exceed it by chance in one of a
-/// thousand channels (Student's t), those of many windows in one of a million.
-const CERTAIN: f64 = 5.0;
 
 /// The channel that is converted, and its name.
 #[derive(Clone, Copy, PartialEq)]
@@ -55,7 +50,7 @@ fn gain(work: &mut Conditioned, i: usize) {
     let Some((ratio, std_error)) = windows(work, i).and_then(|pairs| slope(&pairs)) else { return };
     let off = (ratio - 1.0).abs();
     let is_gear = ratio.max(1.0 / ratio) > GEARS.start;
-    if !is_gear && ratio > 0.0 && off > MISCALIBRATED && off > CERTAIN * std_error {
+    if !is_gear && ratio > 0.0 && off > IMPORT.gain_off && off > IMPORT.gain_errors * std_error {
         let (channel, kind) = (Channel::Speed(i), Kind::Gain { ratio, std_error });
         work.findings.push(Finding { channel, kind, action: Action::Noted });
     }

@@ -16,7 +16,8 @@
 //! ```
 //! With n of one row the variance of counts is also 20/12, that of rounded speeds 6/12 (less if the motion is slow).
 //! In a recording with fast motion the second criterion is not decisive; the decision is then that of the other
-//! recordings of the log. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
+//! recordings of the log, or of the experiment file, if it describes the speeds as counts of an encoder and the ways
+//! from row to row are whole numbers of them: a speed that is rounded to counts per second is not. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
 //! would be shifted by half a row against the other.
 
 use super::finding::{Channel, Finding, Kind};
@@ -52,6 +53,13 @@ pub struct Encoder {
     pub step_rad: f64,
     /// Rows over which the driver took the mean.
     pub rows: usize,
+}
+
+impl Encoder {
+    /// Whether its speeds are differences over single rows in steps of `count_rad` \[rad\].
+    fn counts(self, count_rad: f64) -> bool {
+        self.rows == 1 && (self.step_rad / count_rad - 1.0).abs() < SAME
+    }
 }
 
 /// The encoders from which speeds were computed, determined from all recordings of a log.
@@ -91,8 +99,13 @@ pub(super) fn angles(work: &mut Conditioned, settings: &Settings, context: &Cont
     let of = |i: usize| {
         let omega = column(omega, i);
         let counts = |steps: &[f64]| match context.encoders {
-            Encoders::Unknown => counts(&omega, steps),
-            Encoders::Known(encoders) => counts_of(encoders[i], &omega, steps),
+            Encoders::Unknown => context.counts[i]
+                .and_then(|step_rad| described(step_rad, &omega, steps))
+                .or_else(|| counts(&omega, steps)),
+            Encoders::Known(encoders) => {
+                let described = context.counts[i].is_some_and(|count| encoders[i].counts(count));
+                counts_of(encoders[i], &omega, steps, described)
+            }
             Encoders::None => None,
         };
         counts(&steps).or_else(|| counts(&even))
@@ -135,13 +148,24 @@ impl Counts {
 }
 
 /// The counts of a known encoder, `None` if speeds that were divided by `steps` are not on its grid, or if their
-/// errors are not compensated in the next row although the motion is slow enough.
-fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64]) -> Option<Counts> {
+/// errors are not compensated in the next row although the motion is slow enough, unless they are described as counts.
+fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64], described: bool) -> Option<Counts> {
     let Encoder { step_rad, rows } = encoder;
     on_grid(&sizes(&ways(omega, steps)), step_rad / rows as f64)?;
     let counts = by_row(omega, steps, step_rad, rows);
-    let shown = taken_back(&counts) != Some(false);
+    let shown = described || taken_back(&counts) != Some(false);
     shown.then_some(Counts { step: step_rad, counts, rows })
+}
+
+/// Largest relative difference of the step of a grid from a described count.
+const SAME: f64 = 1e-3;
+
+/// The counts of an encoder that the experiment file describes, if the speeds are differences of them over single rows.
+fn described(step_rad: f64, omega: &[f64], steps: &[f64]) -> Option<Counts> {
+    let sizes = sizes(&ways(omega, steps));
+    let step = on_grid(&sizes, step_rad).filter(|_| sizes.len() >= FEWEST)?;
+    let encoder = Encoder { step_rad: step, rows: 1 };
+    encoder.counts(step_rad).then(|| counts_of(encoder, omega, steps, true)).flatten()
 }
 
 /// How far the wheel moved from row to row \[rad\].
@@ -304,6 +328,23 @@ mod tests {
         let omega = Some((0..2000).map(|k| [speed(k); 2]).collect());
         let channels = Channels { torque: vec![[0.1; 2]; t.len()], t, alpha: None, omega };
         Conditioned { channels, findings: vec![] }
+    }
+
+    #[test]
+    fn described_counts_are_added_up_where_motion_hides_them() {
+        let described = Context { counts: [Some(COUNT); 2], ..Context::default() };
+        let is_counted = |mut work: Conditioned| {
+            super::angles(&mut work, &Settings::default(), &described);
+            work.channels.omega.is_none()
+        };
+        assert!(is_counted(shaking(|a| (a / COUNT).floor())));
+        assert!(!is_counted(shaking(|a| a / COUNT)));
+        // a speed in whole counts per second, and counts of another encoder
+        let speed = |w: f64| (w / COUNT).round() * COUNT;
+        let mut rounded = shaking(|a| a / COUNT);
+        rounded.channels.omega.iter_mut().flatten().for_each(|w| *w = w.map(speed));
+        assert!(!is_counted(rounded));
+        assert!(!is_counted(shaking(|a| (a / COUNT / 1.3).floor() * 1.3)));
     }
 
     #[test]

@@ -39,6 +39,7 @@ mod signal;
 mod speeds;
 mod spikes;
 mod stale;
+mod thresholds;
 mod wheels;
 
 pub use align::{SlowPair, common_slow_pair};
@@ -49,6 +50,7 @@ pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use lost::held_over_lost_rows;
 pub use settings::Settings;
 pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};
+pub use thresholds::{IMPORT, ImportThresholds};
 
 use crate::recording::Channels;
 
@@ -75,6 +77,8 @@ pub struct Context {
     pub speeds_of_angles: Option<f64>,
     /// The encoder of speeds without angles, from all recordings of the same log.
     pub encoders: Encoders,
+    /// One count of the encoder of each wheel \[rad\], if the speeds are described as counts.
+    pub counts: [Option<f64>; 2],
     /// The sensors that other recordings of the same log show to be slower.
     pub slow_pair: Option<SlowPair>,
     /// Whether another recording of the same log shows that its rows are even and the stamps those of a receiver.

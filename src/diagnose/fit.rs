@@ -149,7 +149,7 @@ pub(super) fn fit_at(windows: &Windows, model: &Model, p: &[f64]) -> Option<Wind
 /// there the time of the input is wrong by the error of its interpolation.
 ///
 /// ```text
-/// se² + δθ²,   δθ = H⁻¹ (mean of the scores at half the rate - score)
+/// se² + q δθ²,   δθ = H⁻¹ (mean of the scores at half the rate - score),   q: [`Windows::allowed_sampling`]
 /// ```
 pub(super) fn with_sampling(mut fit: WindowFit, windows: &Windows) -> WindowFit {
     let free = fit.model.free();
@@ -177,7 +177,8 @@ pub(super) fn with_sampling(mut fit: WindowFit, windows: &Windows) -> WindowFit 
         return fit;
     };
     let moved = Information::new(&information).solve(&(0.5 * (even + odd) - score));
-    add_errors(&mut fit, &free, &moved);
+    let allowed = windows.allowed_sampling(&fit.model, &fit.p).unwrap_or(1.0);
+    add_errors(&mut fit, &free, &(allowed.sqrt() * moved));
     fit
 }
 

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::row_means::line_with_means;
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 use crate::model::Model;
@@ -16,10 +17,38 @@ pub(super) const ID: &str = "input_timing";
 /// Symbol of its parameter, the shift of the input \[s\], among the estimates of a diagnosis.
 pub const SYMBOL: &str = "input_shift";
 
+/// What the values of a recorded input are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Between {
+    /// Those at the times of the rows; it varies linearly from one to the next.
+    Line,
+    /// Those that are held from each row to the next.
+    Held,
+    /// Means over a row of an input that varies within it.
+    Means,
+}
+
+impl Between {
+    /// The input of a simulation between its rows.
+    pub(super) fn hold(self) -> Hold {
+        if self == Self::Held { Hold::Constant } else { Hold::Linear }
+    }
+}
+
+impl From<Hold> for Between {
+    fn from(hold: Hold) -> Self {
+        match hold {
+            Hold::Linear => Self::Line,
+            Hold::Constant => Self::Held,
+        }
+    }
+}
+
 /// The recorded input acts `shift` seconds later, within what logging explains.
 ///
 /// ```text
-/// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom), or, of a held input, its mean over each row
+/// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom), or, of a held input, its mean over each row,
+///                                 or, of means over a row, the line with these means
 /// ```
 /// A cubic through a held command would let it act before it was given: its answer to the noise of the next speed would
 /// agree with that speed.
@@ -30,8 +59,8 @@ pub const SYMBOL: &str = "input_shift";
 pub(super) struct InputTiming {
     /// Smallest and largest shift \[s\].
     pub(super) limits: (f64, f64),
-    /// The input between the rows.
-    pub(super) hold: Hold,
+    /// What the recorded values are.
+    pub(super) between: Between,
 }
 
 impl Physics for InputTiming {
@@ -74,10 +103,12 @@ impl Physics for InputTiming {
     }
 
     fn input<T: Real>(&self, t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
-        Some(match self.hold {
-            Hold::Linear => later(t, m, p[0]),
-            // behind the last row its length is a convention
-            Hold::Constant => mean_later(t, m, p[0], t.last()? - t.iter().nth_back(1)?),
+        // behind the last row its length is a convention
+        let last_s = || Some(t.last()? - t.iter().nth_back(1)?);
+        Some(match self.between {
+            Between::Line => later(t, m, p[0]),
+            Between::Held => mean_later(t, m, p[0], last_s()?),
+            Between::Means => line_with_means(t, m, p[0], last_s()?),
         })
     }
 }
@@ -125,7 +156,7 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
 /// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is
 /// held. `row` is where the last instant was found, and is moved.
 #[inline(always)]
-fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T; 2] {
+pub(super) fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T; 2] {
     let last = t.len() - 1;
     if last == 0 {
         return m[0];

@@ -7,8 +7,8 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor, simulate_recording,
-    unexplained_torque, unresolved, window_rms,
+    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor, sensor_floor,
+    simulate_recording, unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::mean;
@@ -105,6 +105,20 @@ impl Judge {
     pub fn unresolved(&self, model: &Model, p: &[f64]) -> f64 {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
         unresolved(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
+    }
+
+    /// The part of the squared `error` of a model over windows [rad/s] that the sampling of the input may cause: that
+    /// of [`Judge::unresolved`], but no more than noise of the speeds leaves of it [rad^2/s^2].
+    ///
+    /// ```text
+    /// min(unresolved², error² - noise²)
+    /// ```
+    #[must_use]
+    pub fn by_sampling(&self, model: &Model, p: &[f64], error: f64) -> f64 {
+        let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
+        let noise = sensor_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or(0.0);
+        let left = (error.powi(2) - noise.powi(2)).max(0.0);
+        self.unresolved(model, p).powi(2).min(left)
     }
 
     /// Mean square error over windows with every other row of the input, the mean over both choices of them

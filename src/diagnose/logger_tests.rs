@@ -4,7 +4,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Accounts, AsRecorded, held_input, more_likely_logging, speed_filter, timing};
+use super::{
+    Accounts, Acting, AsRecorded, acting_input, more_likely_logging, speed_filter, timing,
+};
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
 use crate::model::Model;
@@ -124,8 +126,10 @@ fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on
         for truth in [Hold::Constant, Hold::Linear] {
             let mut recording = stepped(&[], truth, seed, |rows| rows);
             let first = started(&model, &mut recording);
-            let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear));
-            assert_eq!(held.is_some(), truth == Hold::Constant, "{seed}");
+            let recordings = [&recording];
+            let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
+            let held = (truth == Hold::Constant).then_some(Acting::Held);
+            assert_eq!(acting_input(&given).map(|known| known.acting), held, "{seed}");
         }
     }
 }
@@ -141,13 +145,78 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     late[0] = late[1];
     recording = recording.with_torque(late);
     let first = started(&model, &mut recording);
-    let held = held_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
+    let known =
+        acting_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
+    assert_eq!(known.acting, Acting::Held);
+    let held = known.p;
     // the balance of torques a row late is off by more
     let off = |p: &[f64]| (p[A1] / truth[A1] - 1.0).abs();
     assert!(off(&held) < 0.03 && off(&first) > 2.0 * off(&held), "{held:?} {first:?}");
     let found = timing(&model, &held, &[&recording], Hold::Constant).unwrap();
     let row = recording.step();
     assert!((found.dead_time_s + row).abs() < 0.1 * row, "{found:?}");
+}
+
+#[test]
+fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
+    let model = Model::base(Robot::amigobot());
+    let mut recording = stepped(&[("turning_scrub", 0.1)], Hold::Linear, 43, |rows| rows);
+    let mut late = recording.torque().to_vec();
+    late.rotate_right(1);
+    late[0] = late[1];
+    recording = recording.with_torque(late);
+    let first = started(&model, &mut recording);
+    let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
+    let row = recording.step();
+    assert!((found.correction_s + row).abs() < 0.1 * row, "{found:?}");
+}
+
+/// 40 s at 50 Hz of the AmigoBot under torques of several frequencies up to 6 Hz, of which every row records the mean
+/// over the row before it, with speeds of noise 0.005 rad/s.
+fn averaged_input() -> Recording {
+    let (model, fine, h) = (Model::base(Robot::amigobot()), 20, 0.02);
+    let p = model.initial();
+    let rows = 2000;
+    let t: Vec<f64> = (0..rows * fine).map(|k| h / fine as f64 * k as f64).collect();
+    let wave = |t: f64, i: usize| {
+        let of = |rate: f64, phase: f64| (std::f64::consts::TAU * rate * t + phase).sin();
+        p[A4] * (1.5 * of(0.31, i as f64) + 1.2 * of(2.3, 0.4) + of(5.9 - 0.7 * i as f64, 1.1))
+    };
+    let torque: Vec<[f64; 2]> = t.iter().map(|&t| [wave(t, 0), wave(t, 1)]).collect();
+    let input = Input { t: &t, torque: &torque, hold: Hold::Linear };
+    let motion = simulate(&model, &p, &input, State::default()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(61);
+    let mut noise =
+        || 0.005 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
+    let of_rows = motion.iter().step_by(fine);
+    let omega = of_rows.map(|s| s.omega.map(|w| w + noise())).collect();
+    // the line between fine rows has the mean of its ends
+    let mean = |row: usize, i: usize| {
+        let steps = (row.max(1) - 1) * fine..row.max(1) * fine;
+        steps.map(|k| 0.5 * (torque[k][i] + torque[(k + 1).min(torque.len() - 1)][i])).sum::<f64>()
+            / fine as f64
+    };
+    let recorded = (0..rows).map(|row| [mean(row, 0), mean(row, 1)]).collect();
+    let t = (0..rows).map(|row| h * row as f64).collect();
+    let channels = Channels { t, alpha: None, omega: Some(omega), torque: recorded };
+    Recording::new("averaged", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
+#[test]
+fn rows_that_are_means_of_an_input_that_varies_within_them_are_found_with_the_right_inertia() {
+    let model = Model::base(Robot::amigobot());
+    let mut recording = averaged_input();
+    let first = started(&model, &mut recording);
+    let recordings = [&recording];
+    let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
+    let known = acting_input(&given).unwrap();
+    let Acting::Mean { shift_s } = known.acting else { panic!("{known:?}") };
+    let row = recording.step();
+    assert!((shift_s + row).abs() < 0.02 * row, "{shift_s}");
+    // the fit on the line between the values lacks a quarter of the swiftest wave in every row
+    let off = |p: &[f64]| (p[A1] / model.initial()[A1] - 1.0).abs();
+    let line = given.fitted().unwrap();
+    assert!(off(&known.p) < 0.003 && off(line) > 3.0 * off(&known.p), "{known:?} {line:?}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod base;
 mod climb;
 mod order;
+mod rebuild;
 mod refit;
 mod release;
 mod shifts;

@@ -95,7 +95,7 @@ impl Place<'_> {
             return model.clone();
         }
         model
-            .add_effect(Arc::new(InputTiming { limits, hold: self.hold }))
+            .add_effect(Arc::new(InputTiming { limits, between: self.hold.into() }))
             .unwrap_or_else(|_| model.clone())
     }
 }

@@ -138,6 +138,9 @@ pub struct Thresholds {
     /// noise is an estimate, and a recording with a large estimate must not lose its weight if the error of the model
     /// is larger than both (judgement).
     pub most_growth: f64,
+    /// Factor by which an error of the initial speeds must grow over a window for its growth to be part of the fit
+    /// (judgement: below two, the constant by which a window is corrected otherwise contains the larger part of it).
+    pub grown_start: f64,
     /// Largest correlation of the errors of neighbouring windows by which their number is corrected (judgement: one
     /// window in nineteen is then independent).
     pub most_correlated: f64,
@@ -223,6 +226,7 @@ pub const THRESHOLDS: Thresholds = Thresholds {
     fewest_windows: 4,
     window_s: 1.0,
     most_growth: 8.0,
+    grown_start: 2.0,
     most_correlated: 0.9,
     most_response: 100.0,
     less_scatter: 0.25,

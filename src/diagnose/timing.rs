@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::balance::{by_balance, lowest_of_balance};
 use super::fit::{WindowFit, fit};
-use super::input_timing::{INTERPOLATION, InputTiming, SYMBOL, with_later_input};
+use super::input_timing::{Between, INTERPOLATION, InputTiming, SYMBOL, with_later_input};
 use super::onset::{in_motion, latest_dead_time};
 use super::regression::Regression;
 use super::scale::scale_of;
@@ -102,7 +102,10 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
     let something_else =
         shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
-    let kept = late || nothing || something_else;
+    // a motion cannot begin before its input: only logging makes it early
+    let latest = dead_time_s + THRESHOLDS.uncertain * std_error_s;
+    let early = shift.is_some() && latest < -THRESHOLDS.logging * step;
+    let kept = late || nothing || something_else && !early;
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
@@ -186,7 +189,7 @@ fn by_simulation(
     windows: &Windows,
     scale: &Scale,
 ) -> Option<ShiftFit> {
-    let timed = timed_over(model, p, start, windows.clone(), scale)?;
+    let timed = timed_over(model, p, start, (windows.clone(), windows.hold.into()), scale)?;
     let error = timed.error();
     let Timed { windows, fit, shift: j } = timed;
     let moved = [0, 1].map(|phase| {
@@ -277,10 +280,12 @@ pub(super) fn timed<'a>(
     p: &[f64],
     start: f64,
     recordings: &[&'a Recording],
-    hold: Hold,
+    between: impl Into<Between>,
     scale: &Scale,
 ) -> Option<Timed<'a>> {
-    timed_over(model, p, start, over_windows(model, p, recordings, hold), scale)
+    let between = between.into();
+    let windows = over_windows(model, p, recordings, between.hold());
+    timed_over(model, p, start, (windows, between), scale)
 }
 
 /// The same over given windows.
@@ -288,10 +293,10 @@ fn timed_over<'a>(
     model: &Model,
     p: &[f64],
     start: f64,
-    windows: Windows<'a>,
+    (windows, between): (Windows<'a>, Between),
     scale: &Scale,
 ) -> Option<Timed<'a>> {
-    let timed = with_timing(model, windows.hold, scale)?;
+    let timed = with_timing(model, between, scale)?;
     let shift = timed.index_of(SYMBOL).ok()?;
     let from: Vec<f64> = p.iter().copied().chain([start]).collect();
     let fit = fit(&windows, &timed, &from, scale)?;
@@ -299,12 +304,17 @@ fn timed_over<'a>(
 }
 
 /// The model with a time of its input over the whole range.
-pub(super) fn with_timing(model: &Model, hold: Hold, scale: &Scale) -> Option<Model> {
+pub(super) fn with_timing(
+    model: &Model,
+    between: impl Into<Between>,
+    scale: &Scale,
+) -> Option<Model> {
+    let between = between.into();
     let limits = (
         THRESHOLDS.earliest * scale.step,
         THRESHOLDS.longest_delay_s.max(-THRESHOLDS.earliest * scale.step),
     );
-    model.add_effect(Arc::new(InputTiming { limits, hold })).ok()
+    model.add_effect(Arc::new(InputTiming { limits, between })).ok()
 }
 
 /// Some windows of 1 s of `recordings`, weighted for a model at `p`.

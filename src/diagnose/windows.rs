@@ -5,6 +5,7 @@
 
 mod compared;
 mod errors;
+mod growing;
 mod linear;
 mod sums;
 mod window;
@@ -69,7 +70,7 @@ impl<'a> Windows<'a> {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &recording.local_motion()[rows.start];
                     let (start, variance) = (start_of(motion), motion.omega_variance);
-                    Window { recording: r, rows, start, variance, share: [1.0; 2] }
+                    Window { recording: r, rows, start, variance, share: [1.0; 2], growing: None }
                 }));
             }
         }
@@ -77,8 +78,7 @@ impl<'a> Windows<'a> {
         let (noise, growth) = levels
             .zip(&recordings)
             .map(|(noise, r)| {
-                // a channel without visible noise still has rounding
-                let rounding = 1e-6 * r.top_speed();
+                let rounding = rounding(r);
                 let speed = [0, 1].map(|i| variance(r, i).max(rounding * rounding));
                 let input = noise.map(|s| (s * mobility).powi(2) * r.step());
                 let most = |i: usize| THRESHOLDS.most_growth * speed[i] / THRESHOLDS.window_s;
@@ -88,10 +88,11 @@ impl<'a> Windows<'a> {
         Self { recordings, windows, hold, noise, growth }
     }
 
-    /// [`Windows::new`] with the weights of [`Windows::sampled`], both of `model` at `p`.
+    /// [`Windows::new`] with the weights of [`Windows::sampled`] and the responses of [`Windows::growing`], all of
+    /// `model` at `p`.
     #[must_use]
     pub fn weighted(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
-        Self::new(recordings, hold, model, p).sampled(model, p)
+        Self::new(recordings, hold, model, p).sampled(model, p).growing(model, p)
     }
 
     /// The same windows, with weights that include errors of `model` at `p` other than noise. First, the
@@ -183,7 +184,7 @@ impl<'a> Windows<'a> {
         let sum = |window: &Window, follow: Follow| {
             let mut sums = Accumulator::new(free.len(), window.rows.len());
             follow(&mut |k, i, e, psi, still| {
-                sums.add(i, e, psi, self.weight(window, k, i), still)
+                sums.add((window, k, i), e, psi, self.weight(window, k, i), still)
             })?;
             sums.finish(&window.variance)
         };
@@ -197,7 +198,8 @@ impl<'a> Windows<'a> {
             for (k, row) in rows.iter().enumerate() {
                 for i in 0..2 {
                     let weight = self.weight(window, k, i);
-                    sums.add(i, row.error[i], &row.psi[i], weight, row.still[i]);
+                    let of = (window, k, i);
+                    sums.add(of, row.error[i], &row.psi[i], weight, row.still[i]);
                 }
             }
             sums.finish(&window.variance)
@@ -359,6 +361,11 @@ pub(super) struct Row {
     pub(super) psi: [Vec<f64>; 2],
     /// Whether the simulated wheel rests.
     pub(super) still: [bool; 2],
+}
+
+/// Rounding of a speed \[rad/s\], which a channel without visible noise still has.
+fn rounding(recording: &Recording) -> f64 {
+    1e-6 * recording.top_speed()
 }
 
 /// Magnitude of parameter `j`; of one near zero a thousandth of the typical value.

@@ -1,12 +1,13 @@
 //! Preparation of the training recordings before identification: initial values of shape parameters, and the
 //! time of the recorded input.
 
+use super::between_rows::note_unknown_course;
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
-    Accounts, AsRecorded, Computed, Judge, LowPass, SpeedFilter, StartAngle, THRESHOLDS, Timing,
-    held_input, more_likely_logging, phases, shapes_placed, speed_filter, start_angles, timing,
-    with_later_input,
+    Accounts, Acting, AsRecorded, Computed, Judge, Known, LowPass, SpeedFilter, StartAngle,
+    THRESHOLDS, Timing, acting_input, more_likely_logging, phases, shapes_placed, speed_filter,
+    start_angles, timing, with_later_input, with_line_of_means,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
@@ -64,7 +65,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
             share = share_of_noise(plan, &start);
         }
         if asked.hold.is_none()
-            && let Some(fitted) = held_between_rows(plan, &start, share)
+            && let Some(fitted) = between_rows(plan, &start, share, asked.settings.rows)
         {
             start = fitted;
             // the share of noise that was assumed for linear interpolation
@@ -79,7 +80,9 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     if !own {
         plan.timing = time_of_input(plan, &start);
+        share = plan.timing.and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
+    note_unknown_course(plan);
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
     count_noise_at_rest(plan, &start);
     apply_timing(plan);
@@ -102,15 +105,33 @@ fn by_other_account(
     as_logged(plan, &given, settings).or_else(|| unfiltered(plan, &given, start, settings.speeds))
 }
 
-/// Holds the input until the next row if the motion indicates this, and reports it. Returns the parameters for such an
-/// input.
-fn held_between_rows(plan: &mut Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
-    let fitted = fitted_to_held(plan, start, share)?;
-    let held =
-        |i| Finding { channel: Channel::Input(i), kind: Kind::HeldInput, action: Action::Used };
-    plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(held)));
-    plan.hold = Hold::Constant;
-    Some(fitted)
+/// Holds the input until the next row, or, if `correct`, replaces its means by the line with these means, if the motion
+/// indicates this, and reports it. Returns the parameters for such an input, or `None` if it is unchanged.
+fn between_rows(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
+    let train = train_with_noise(plan, share);
+    let recordings: Vec<&Recording> = train.iter().collect();
+    let given = AsRecorded::new(&plan.model, start, &recordings, Hold::Linear);
+    let Known { acting, p } = acting_input(&given)?;
+    let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
+    let of = |channel| match acting {
+        Acting::Held => Finding { channel, kind: Kind::HeldInput, action: Action::Used },
+        Acting::Mean { shift_s } => {
+            let kind = Kind::RowMeans { middle_s: shift_s + 0.5 * step };
+            Finding::corrected(channel, kind, "rows", correct)
+        }
+    };
+    for MeasuredRecording { recording, conditioning, .. } in &mut plan.recordings {
+        conditioning.extend([0, 1].map(|i| of(Channel::Input(i))));
+        if let (Acting::Mean { shift_s }, true) = (acting, correct) {
+            *recording = with_line_of_means(recording, shift_s);
+        }
+    }
+    match acting {
+        Acting::Held => plan.hold = Hold::Constant,
+        Acting::Mean { .. } if !correct => return None,
+        Acting::Mean { .. } => {}
+    }
+    Some(p)
 }
 
 /// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
@@ -236,6 +257,23 @@ fn share_of_noise(plan: &Plan, start: &[f64]) -> f64 {
     noise_of_jumps(&plan.model, start, &recordings, plan.hold)
 }
 
+/// The share of noise in the differences of an input that acts at its time, if that is far from its row: to a model that
+/// answers to another row, every change of the input is noise. `None` within what logging explains.
+fn share_in_time(plan: &Plan, timing: &Timing) -> Option<f64> {
+    let certain = timing.dead_time_s.abs() - THRESHOLDS.uncertain * timing.std_error_s;
+    let train = plan.of(Role::Train);
+    let step = train.iter().map(Recording::step).fold(0.0, f64::max);
+    if certain <= THRESHOLDS.logging * step {
+        return None;
+    }
+    let later = |r: &Recording| with_later_input(r, timing.dead_time_s, plan.hold);
+    let train: Vec<Recording> = train.iter().map(later).collect();
+    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
+    let p = start::start(&task, "timing").ok()?;
+    let recordings: Vec<&Recording> = train.iter().collect();
+    Some(noise_of_jumps(&plan.model, &p, &recordings, plan.hold))
+}
+
 /// The training recordings with this share, so that the effects of a low-pass and of interpolation on noise
 /// can be compared.
 fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
@@ -312,13 +350,6 @@ fn in_phase(plan: &mut Plan, start: &[f64], share: f64) {
         m.conditioning.extend(moved);
         m.recording = with_later_input(&m.recording, phase.shift_s, plan.hold);
     }
-}
-
-/// The parameters for an input that is held between the rows, if the motion indicates this.
-fn fitted_to_held(plan: &Plan, start: &[f64], share: f64) -> Option<Vec<f64>> {
-    let train = train_with_noise(plan, share);
-    let recordings: Vec<&Recording> = train.iter().collect();
-    held_input(&AsRecorded::new(&plan.model, start, &recordings, Hold::Linear))
 }
 
 #[cfg(test)]

@@ -73,6 +73,32 @@ pub(super) fn compare_figures(plan: &Plan, fits: &[MethodFit]) -> Result<Compari
     compare_in(plan, fits, Detail::Figures)
 }
 
+/// The recordings and the methods of a plan none of whose fits can be simulated: without noise floor, which depends on
+/// the model, and each method with the reason, `simulation` for a fit.
+pub(super) fn without_fit(
+    plan: &Plan,
+    fits: &[MethodFit],
+    simulation: Option<&SimulateError>,
+) -> (Vec<RecordingStudy>, Vec<MethodStudy>) {
+    let unknown = f64::NAN;
+    let floor = Floor {
+        ise: [unknown; 2],
+        window_rms: unknown,
+        window_most: unknown,
+        window_slow: unknown,
+    };
+    let recordings = plan.recordings.iter().map(|m| described(plan, m, floor)).collect();
+    let reason = |fit: &MethodFit| match (&fit.fit, simulation) {
+        (Err(reason), _) => Some(reason.clone()),
+        (Ok(_), Some(reason)) => Some(reason.clone().into()),
+        (Ok(_), None) => None,
+    };
+    let row =
+        |(method, fit): (&MethodPlan, &MethodFit)| Some(failed(method, reason(fit)?, fit.seconds));
+    let methods = plan.methods.iter().zip(fits).filter_map(row).collect();
+    (recordings, methods)
+}
+
 /// How much of a comparison is computed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Detail {
@@ -121,9 +147,15 @@ fn describe(
     dynamics: &dyn Dynamics,
     detail: Detail,
 ) -> Result<RecordingStudy, SimulateError> {
-    let r = &measured.recording;
     let floor = if detail == Detail::Report { noise_floor } else { window_floor };
-    Ok(RecordingStudy {
+    let floor = floor(dynamics, &measured.recording, plan.hold, plan.seed)?;
+    Ok(described(plan, measured, floor))
+}
+
+/// A recording with the error of the correct model on it.
+fn described(plan: &Plan, measured: &MeasuredRecording, floor: Floor) -> RecordingStudy {
+    let r = &measured.recording;
+    RecordingStudy {
         role: measured.role,
         file: r.name().into(),
         sha256: measured.sha256.clone(),
@@ -134,14 +166,14 @@ fn describe(
         noise: r.noise(),
         conditioning: measured.conditioning.clone(),
         findings: measured.findings.clone(),
-        floor: floor(dynamics, r, plan.hold, plan.seed)?,
+        floor,
         t: r.t().to_vec(),
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
         torque: r.torque().to_vec(),
         regimes: r.regimes(),
         path: path(plan, r),
-    })
+    }
 }
 
 /// The path of the robot, if its geometry is known.
@@ -154,6 +186,12 @@ fn path(plan: &Plan, r: &Recording) -> Vec<[f64; 3]> {
     }
 }
 
+/// A method without a fit.
+fn failed(method: &MethodPlan, reason: IdentifyError, seconds: f64) -> MethodStudy {
+    let nothing = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
+    MethodStudy { failure: Some(reason), ..nothing }
+}
+
 fn method_study(
     plan: &Plan,
     method: &MethodPlan,
@@ -163,7 +201,7 @@ fn method_study(
     let nothing = MethodStudy::new(&method.name, &method.title, &method.options, seconds);
     let fit = match fit {
         Ok(fit) => fit,
-        Err(reason) => return Ok(MethodStudy { failure: Some(reason.clone()), ..nothing }),
+        Err(reason) => return Ok(failed(method, reason.clone(), seconds)),
     };
     let fuzzy = fit.dynamics.fuzzy();
     let on = |m: &MeasuredRecording| performance(plan, &*fit.dynamics, &m.recording, detail);

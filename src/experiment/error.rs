@@ -1,5 +1,7 @@
 //! Errors of experiments.
 
+use std::path::PathBuf;
+
 use super::file::FileError;
 use crate::catalogue;
 use crate::identify::{IdentifyError, OptionError};
@@ -47,6 +49,14 @@ pub enum ExperimentError {
     /// Running failed.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// No method has a fit that can be simulated; the report states the reason of each.
+    #[error("{reason}; report: {}", report.display())]
+    Unfitted {
+        /// Why each method has no fit, or why the fits cannot be simulated.
+        reason: RunError,
+        /// Path of the report.
+        report: PathBuf,
+    },
     /// Drawing failed.
     #[error("the report cannot be drawn: {0}")]
     Report(#[from] ReportError),

@@ -13,7 +13,7 @@ use super::plan::Plan;
 use super::remark::Remark;
 use super::remarks::remarks;
 use super::resolve::resolve;
-use super::run::run_in_stages;
+use super::run::{Unfitted, run_in_stages};
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
 use crate::report::{not_determined, results, sentence, simulation_error};
@@ -182,9 +182,16 @@ fn finish(plan: &Plan, options: &RunOptions) -> Result<Done, ExperimentError> {
         };
     }
     let stages = Stages::new(&plan.name, options.progress);
-    let study = run_in_stages(plan, &stages)?;
+    let study = run_in_stages(plan, &stages);
     stages.enter("drawing the report");
-    write(plan, study, &options.out)
+    match study {
+        Ok(study) => write(plan, study, &options.out),
+        Err(Unfitted { reason, study: None }) => Err(reason.into()),
+        Err(Unfitted { reason, study: Some(study) }) => {
+            let Done { report, .. } = write(plan, *study, &options.out)?;
+            Err(ExperimentError::Unfitted { reason, report })
+        }
+    }
 }
 
 /// The default folder of the results.

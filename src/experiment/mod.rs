@@ -2,6 +2,7 @@
 
 mod align;
 mod assemble;
+mod between_rows;
 mod check;
 mod combinations;
 mod comparison;

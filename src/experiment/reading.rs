@@ -159,6 +159,8 @@ impl Reading {
             speed_lag,
             speeds_of_angles,
             encoders,
+            counts: ["dalpha1", "dalpha2"]
+                .map(|key| self.columns.get(key).per_turn.map(|n| std::f64::consts::TAU / n)),
             slow_pair,
             even_times,
         }

@@ -3,7 +3,8 @@
 //! A vector of numbers is a column under its name; a matrix is one column for each of its columns,
 //! `name(:,1)`, `name(:,2)`, or, where it is wider than high, for each of its rows, `name(1,:)`.
 //! The fields of a structure `s` are `s.field`, those of a list of structures, as Simulink exports
-//! signals, `s(1).field`, and the cells of a cell array `c` are `c{1}`, `c{2}`. Single numbers, complex and sparse matrices
+//! signals, `s(1).field`; where such a structure has a text `Name` or `label` beside its `Data` or `values`, that text is
+//! the name of the column. The cells of a cell array `c` are `c{1}`, `c{2}`. Single numbers, complex and sparse matrices
 //! and text are no columns.
 //!
 //! ```text
@@ -40,6 +41,8 @@ struct Variable {
     name: String,
     class: &'static str,
     columns: Vec<Column>,
+    /// The text of a variable that is one, in a line.
+    text: Option<String>,
 }
 
 pub(super) const FORMAT: WholeFormat = WholeFormat {
@@ -180,7 +183,7 @@ fn named_matrix(
         return Ok(None);
     }
     let class = class(flags);
-    let mut variable = Variable { name, class, columns: vec![] };
+    let mut variable = Variable { name, class, columns: vec![], text: None };
     if class == STRUCTURE && depth < DEEPEST {
         let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
         // a structure that is written in another way is no column, as before
@@ -192,6 +195,10 @@ fn named_matrix(
         let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
         let cells = cells(&mut bytes, &variable.name, count.min(MOST_COLUMNS), depth);
         variable.columns = cells.unwrap_or_default();
+        return Ok(Some(variable));
+    }
+    if class == TEXT {
+        variable.text = text(&mut bytes);
         return Ok(Some(variable));
     }
     if let [rows, columns] = size[..]
@@ -218,7 +225,20 @@ fn cells(bytes: &mut Bytes, name: &str, count: usize, depth: usize) -> Result<Ve
     Ok(out)
 }
 
+/// The text of a character array; `None` where it is of a type that is not known or without a letter.
+fn text(bytes: &mut Bytes) -> Option<String> {
+    let (kind, data) = element(bytes, "text").ok()?;
+    let wide = |pair: &[u8]| Number::Unsigned(2).value(pair, bytes.big_endian) as u16;
+    let text = match kind {
+        4 | 17 => String::from_utf16_lossy(&data.chunks_exact(2).map(wide).collect::<Vec<_>>()),
+        1 | 2 | 16 => String::from_utf8_lossy(data).into_owned(),
+        _ => return None,
+    };
+    Some(text.trim().to_owned()).filter(|text| text.chars().any(char::is_alphabetic))
+}
+
 const NUMERIC: &str = "numbers";
+const TEXT: &str = "text";
 const CELL: &str = "cell";
 const TABLE: &str = "object";
 const STRUCTURE: &str = "struct";
@@ -243,6 +263,7 @@ fn fields(
     let names: Vec<String> = names.chunks_exact(length.max(1)).map(text).collect();
     let mut out = vec![];
     for k in 0..count {
+        let (mut label, mut columns) = (None, vec![]);
         for field in &names {
             let place = if count == 1 {
                 format!("{name}.{field}")
@@ -252,12 +273,25 @@ fn fields(
             let (kind, data) = element(bytes, "a field")?;
             if kind == MATRIX {
                 let inner = named_matrix(data, bytes.big_endian, &place, depth + 1)?;
-                out.extend(inner.map_or(vec![], |v| v.columns));
+                let Some(inner) = inner else { continue };
+                let is_label = LABELS.contains(&field.to_lowercase().as_str());
+                label = label.or(inner.text.filter(|_| is_label));
+                columns.extend(inner.columns.into_iter().map(|c| (place.clone(), field, c)));
             }
         }
+        out.extend(columns.into_iter().map(|(place, field, (name, values))| {
+            let of_label =
+                label.as_ref().filter(|_| VALUES.contains(&field.to_lowercase().as_str()));
+            let index = name.strip_prefix(&place).unwrap_or_default();
+            (of_label.map_or_else(|| name.clone(), |label| format!("{label}{index}")), values)
+        }));
     }
     Ok(out)
 }
+
+/// Fields with the name of a signal, and those with its values, in lower case.
+const LABELS: [&str; 3] = ["name", "label", "signalname"];
+const VALUES: [&str; 2] = ["data", "values"];
 
 fn class(flags: u32) -> &'static str {
     match flags & 0xff {
@@ -265,7 +299,7 @@ fn class(flags: u32) -> &'static str {
         6..=15 => NUMERIC,
         1 => CELL,
         2 => STRUCTURE,
-        4 => "text",
+        4 => TEXT,
         5 => "sparse",
         _ => TABLE,
     }

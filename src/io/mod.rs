@@ -45,7 +45,7 @@ pub use mcap_table::write_mcap_table;
 pub use preview::{PreviewColumn, preview};
 pub use rate::stated_period;
 pub use recording::{
-    Headers, RawChannels, headers, part_of_second, parts, read_channels, read_recording,
+    Headers, RawChannels, headers, opening, part_of_second, parts, read_channels, read_recording,
     stated_radius, unknown_unit, without_port,
 };
 pub use summary::{group_rows, read_parquet_table, write_csv_table};

@@ -18,7 +18,7 @@ use self::direction::SIGNS;
 pub(super) use self::direction::read_words;
 pub use self::fraction::part_of_second;
 use self::header::bare;
-pub use self::header::{unknown_unit, without_port};
+pub use self::header::{opening, unknown_unit, without_port};
 use self::headers::headers_of;
 pub use self::headers::{Headers, headers};
 pub(super) use self::headers::{Source, are_same, parted};

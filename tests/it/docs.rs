@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use amigo_ident::diagnose::{Settings, THRESHOLDS, Thresholds};
+use amigo_ident::conditioning::IMPORT;
+use amigo_ident::diagnose::{Settings, THRESHOLDS};
 use amigo_ident::effects;
 use amigo_ident::identify::{self, MethodOption, options_schema};
 use amigo_ident::report::format;
@@ -94,12 +95,11 @@ fn python_diagnoses_with_the_defaults_of_the_library() {
     }
 }
 
-#[test]
-fn the_page_of_thresholds_is_that_of_the_code() {
-    let (schema, values) =
-        (options_schema::<Thresholds>(), serde_json::to_value(THRESHOLDS).unwrap());
+/// The rows of a table of limits.
+fn limits<T: schemars::JsonSchema + serde::Serialize>(limits: &T) -> String {
+    let (schema, values) = (options_schema::<T>(), serde_json::to_value(limits).unwrap());
     // in the order of the struct, where "the same" means the one above
-    let written = serde_json::to_string(&THRESHOLDS).unwrap();
+    let written = serde_json::to_string(limits).unwrap();
     let mut fields: Vec<_> =
         schema.get("properties").unwrap().as_object().unwrap().iter().collect();
     fields.sort_by_key(|(key, _)| written.find(&format!("\"{key}\":")));
@@ -107,12 +107,22 @@ fn the_page_of_thresholds_is_that_of_the_code() {
         let reason = option["description"].as_str().unwrap();
         format!("| `{key}` | {} | {reason} |\n", values[key])
     };
-    let rows: String = fields.into_iter().map(row).collect();
-    let page = project_file("docs/thresholds.md");
-    let (before, rest) = page.split_once("<!-- thresholds -->\n").unwrap();
+    fields.into_iter().map(row).collect()
+}
+
+/// The page with a table in place of the one behind a mark.
+fn with_table(page: &str, mark: &str, rows: &str) -> String {
+    let (before, rest) = page.split_once(mark).unwrap();
     let (_, after) = rest.split_once("<!-- end -->").unwrap();
     let head = "| threshold | value | reason |\n|---|---|---|\n";
-    let present = format!("{before}<!-- thresholds -->\n{head}{rows}<!-- end -->{after}");
+    format!("{before}{mark}\n{head}{rows}<!-- end -->{after}")
+}
+
+#[test]
+fn the_page_of_thresholds_is_that_of_the_code() {
+    let page = project_file("docs/thresholds.md");
+    let present = with_table(&page, "<!-- thresholds -->", &limits(&THRESHOLDS));
+    let present = with_table(&present, "<!-- import -->", &limits(&IMPORT));
     if std::env::var_os("UPDATE_DOCS").is_some() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/thresholds.md");
         fs::write(path, &present).unwrap();

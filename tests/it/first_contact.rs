@@ -89,6 +89,26 @@ fn a_share_of_the_battery_voltage_has_its_keys() {
 }
 
 #[test]
+fn a_report_states_why_every_method_failed() {
+    let folder = Folder::new();
+    let log = csv(&motion());
+    let short: Vec<&str> = log.lines().take(21).collect();
+    folder.write("short.csv", short.join("\n"));
+    folder.write(
+        "short.toml",
+        "[recordings]\ntrain = [\"short.csv\"]\n\n[[method]]\nname = \"weak_form\"\n",
+    );
+    folder.run(&["short.toml"]).says(1, &["no method has a fit", "report.html", "1 of 1"]);
+    let results = folder.results("reports/short");
+    let row = &results["methods"][0];
+    assert_eq!(row["status"], "failed", "{row}");
+    assert!(row.to_string().contains("usable samples"), "{row}");
+    assert_eq!(results["recordings"][0]["samples"], 20);
+    assert!(results["grade"].is_null() && results["model_as_given"].is_null(), "{results}");
+    assert!(folder.read("reports/short/report.html").contains("No method has a fit"));
+}
+
+#[test]
 fn methods_that_fail_are_rows_with_their_reason() {
     let folder = Folder::new();
     let log = csv(&motion());

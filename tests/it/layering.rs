@@ -170,7 +170,16 @@ const STAGES: [(&str, &[&str]); 9] = [
     ),
     (
         "from the file to a plan",
-        &["long", "reading", "together", "measured", "align", "assemble", "resolve"],
+        &[
+            "long",
+            "reading",
+            "together",
+            "measured",
+            "between_rows",
+            "align",
+            "assemble",
+            "resolve",
+        ],
     ),
     ("from a plan to fits", &["fits", "fitted"]),
     ("from fits to a comparison", &["fuzzy_study", "comparison"]),

@@ -140,6 +140,18 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input that is held until the next row, as determined from the motion.
     HeldInput,
+    /// An input whose recorded values are means over a row of one that varies within it, as determined from the
+    /// motion.
+    RowMeans {
+        /// From the time of a value to the middle of its row \[s\].
+        middle_s: R,
+    },
+    /// A torque or current with one sample a row that changes at the rows, as determined from the motion: its course
+    /// between them is not recorded.
+    OneSampleARow {
+        /// Half a row, by which the motion follows the samples later \[s\].
+        half_row_s: R,
+    },
     /// An input that the experiment file describes as held from row to row and that changes between the rows, as
     /// determined from the motion.
     StepsBetweenRows,
@@ -312,6 +324,8 @@ impl Kind {
             Self::Filtered { lag_s, .. } => ("filtered", lag_s, "s"),
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
+            Self::RowMeans { middle_s } => ("row_means", middle_s, "s"),
+            Self::OneSampleARow { half_row_s } => ("one_sample_a_row", half_row_s, "s"),
             Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
             Self::LostRows { rows } => ("lost_rows", rows as f64, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),

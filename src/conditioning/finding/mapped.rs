@@ -57,6 +57,10 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
                 or_late,
             },
             Self::HeldInput => Kind::HeldInput,
+            Self::RowMeans { middle_s } => Kind::RowMeans { middle_s: real(middle_s) },
+            Self::OneSampleARow { half_row_s } => {
+                Kind::OneSampleARow { half_row_s: real(half_row_s) }
+            }
             Self::StepsBetweenRows => Kind::StepsBetweenRows,
             Self::LostRows { rows } => Kind::LostRows { rows: whole(rows) },
             Self::Phase { shift_s, std_error_s } => {

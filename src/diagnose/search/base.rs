@@ -21,7 +21,7 @@ impl Search<'_> {
             true => model.clone(),
             false => model.add_effect(Arc::new(InputTiming {
                 limits: self.range,
-                hold: self.windows.hold,
+                between: self.windows.hold.into(),
             }))?,
         };
         let lowest = |starts: &[Vec<f64>]| {

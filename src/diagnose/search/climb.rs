@@ -11,6 +11,15 @@ use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::verdict::Errors;
 
+/// The effect that a search adds first.
+#[derive(Clone, Copy)]
+enum First {
+    /// The best of the ranking that lowers the reported error.
+    Best,
+    /// The first of the ranking, whatever the others are.
+    Given,
+}
+
 /// The steps that held-out windows prove, and the ranking at each step.
 type Climbed = (Vec<Step>, Vec<Vec<Ranked>>);
 
@@ -18,12 +27,12 @@ impl Search<'_> {
     /// The search from the best candidates of the base; from others if the larger part of the error above the
     /// noise floor remains.
     pub(super) fn climb_from_best(&self, base: &WindowFit) -> Climbed {
-        let mut climbed = self.climb(base, self.rank(base, true));
+        let mut climbed = self.climb(base, self.rank(base, true), First::Best);
         let is_unexplained = |steps: &[Step]| self.is_unexplained(last_of(base, steps));
         let mut unexplained = is_unexplained(&climbed.0);
         // before the verdict "unknown" every effect of the catalogue must have been simulated
         if unexplained && let Some(ranking) = self.with_second_bodies(base, &climbed.1[0]) {
-            let again = self.climb(base, ranking);
+            let again = self.climb(base, ranking, First::Best);
             let error = |steps: &[Step]| self.shown(last_of(base, steps));
             if error(&again.0) < error(&climbed.0) {
                 climbed = again;
@@ -56,8 +65,9 @@ impl Search<'_> {
     }
 
     /// Repeatedly adds the best candidate of a ranking that lowers the reported error, and ranks anew.
-    /// Each ranking is returned with the added effect first.
-    fn climb(&self, base: &WindowFit, first: Vec<Ranked>) -> Climbed {
+    /// Each ranking is returned with the added effect first. The effect added first is the best or the `given` one,
+    /// the first of the ranking.
+    fn climb(&self, base: &WindowFit, first: Vec<Ranked>, added: First) -> Climbed {
         let mut tried: Vec<(Ranked, Vec<String>)> = Vec::new();
         let mut rankings = vec![first];
         let (mut present, mut shown) = (base.clone(), self.shown(base));
@@ -65,7 +75,11 @@ impl Search<'_> {
             let ranking = rankings.last_mut().expect("there is one per step");
             // no accepted sequence may contain a step that does not lower the reported error
             let now = (shown, &present);
-            let Some((n, next)) = self.first_that_lowers(ranking, now) else { break };
+            let choice = match added {
+                First::Given if tried.is_empty() => &ranking[..ranking.len().min(1)],
+                _ => &ranking[..],
+            };
+            let Some((n, next)) = self.first_that_lowers(choice, now) else { break };
             ranking[..=n].rotate_right(1);
             self.compare_with_first(ranking);
             let mut best = ranking[0].clone();
@@ -134,7 +148,7 @@ impl Search<'_> {
         others.take(THRESHOLDS.exchanged).find_map(|n| {
             let mut ranking = ranking.to_vec();
             ranking[..=n].rotate_right(1);
-            let climbed = self.climb(base, ranking);
+            let climbed = self.climb(base, ranking, First::Given);
             (!self.is_unexplained(last_of(base, &climbed.0))).then_some(climbed)
         })
     }
@@ -194,6 +208,17 @@ mod tests {
             ranking[first].candidate.id.clone()
         };
         assert_eq!(added(&validation), "turning_scrub");
+        let data =
+            Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
+        let search = Search::new(&base, &starts, &data, &settings).unwrap();
+        let present = search.base(&base, &starts).unwrap();
+        let first = |added: First| {
+            let mut ranking = search.rank(&present, true);
+            ranking.sort_by_key(|r| r.candidate.id == "turning_scrub");
+            let (_, rankings) = search.climb(&present, ranking, added);
+            rankings[0][0].candidate.id.clone()
+        };
+        assert_eq!([First::Given, First::Best].map(first), ["yaw_viscous", "turning_scrub"]);
         assert_eq!(added(&[]), "yaw_viscous");
     }
 }

@@ -1,5 +1,6 @@
 //! The tried steps: those that held-out windows prove, and the effects that remain.
 
+use std::cell::LazyCell;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
@@ -108,9 +109,9 @@ impl Search<'_> {
 
     /// Whether the step and all steps up to it are proven by held-out windows, in which its effect acts, and the effect
     /// differs from zero.
-    fn stands(&self, step: &Step) -> bool {
+    pub(super) fn stands(&self, step: &Step) -> bool {
         let proven = self.passes(&step.last) && self.passes(&step.total);
-        proven && has_size(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
+        proven && self.is_sized(&step.fit, &step.id) && self.judge.acts(&step.fit, &step.id)
     }
 
     /// Whether an effect of a fit [`has_size`], with the standard errors of the report: those of the residuals, and of
@@ -158,118 +159,11 @@ impl Search<'_> {
         run.to_vec()
     }
 
-    /// Steps whose last one is a lag or delay, with that one placed before the last of the others, if they are
-    /// proven in this order. A delay acts only in the few windows in which the input changes, so that the mean over
-    /// all windows does not prove it after an effect that acts in each; it is tried only if its own interval proves
-    /// it.
-    fn with_shift_before(&self, base: &WindowFit, steps: &[Step]) -> Option<Vec<Step>> {
-        let mut order = steps.to_vec();
-        let last = order.len().checked_sub(1)?;
-        order.swap(last.checked_sub(1)?, last);
-        let turned = self.rebuilt(base, &order);
-        (turned.len() == steps.len() && self.stands(turned.last()?)).then_some(turned)
-    }
-
     /// Root mean square error over windows of 2 s of the recordings in the report; infinite if it cannot be
     /// simulated.
     pub(super) fn shown(&self, fit: &WindowFit) -> f64 {
         let judged = self.judge.judge(&fit.model, &fit.p).map(|j| j.window_rms);
         judged.ok().filter(|rms| rms.is_finite()).unwrap_or(f64::INFINITY)
-    }
-
-    /// Removes effects that later ones made unnecessary: the criterion is lower without them, or their size
-    /// may be zero.
-    pub(super) fn pruned(&self, base: &WindowFit, steps: Vec<Step>) -> Vec<Step> {
-        let given = base.model.effects().len();
-        let Some(last) = steps.last() else { return steps };
-        for n in 0..steps.len().saturating_sub(1) {
-            let e = given + n;
-            let slots = last.fit.model.slots(e);
-            let (model, p) = last.fit.without(e);
-            let Some(without) = fit(&self.windows, &model, &p, &self.scale) else { continue };
-            let ratio = self.ratio(&without, &last.fit);
-            if ratio > slots.len() as f64 * self.degrees.ln() && has_size(&last.fit, &steps[n].id) {
-                continue;
-            }
-            let mut kept = steps.clone();
-            kept.remove(n);
-            return self.pruned(base, self.rebuilt(base, &kept));
-        }
-        steps
-    }
-
-    /// Replaces each effect at most once by another of its step that lowers the criterion: if several effects
-    /// are missing, the first one added also explains a part of the others and may be a wrong one. The result
-    /// must be proven like the steps before, and must not raise the reported error.
-    ///
-    /// Source: sequential replacement, Miller, Subset Selection in Regression (2002), section 3.3.
-    pub(super) fn exchanged(
-        &self,
-        base: &WindowFit,
-        steps: Vec<Step>,
-        rankings: &[Vec<Ranked>],
-    ) -> Vec<Step> {
-        if steps.len() < 2 {
-            return steps;
-        }
-        let mut best = steps.clone();
-        for n in 0..steps.len() {
-            let taken = |id: &str| best.iter().any(|s| s.id == id);
-            let others: Vec<&Ranked> = rankings[n]
-                .iter()
-                .filter(|r| r.refit.is_some() && r.bic < 0.0 && !taken(&r.candidate.id))
-                .take(THRESHOLDS.exchanged)
-                .collect();
-            for other in others {
-                let mut next = best.clone();
-                let Some(fit) = other.refit.clone() else { continue };
-                next[n] = Step { id: other.candidate.id.clone(), fit, equals: vec![], ..next[n] };
-                let next = self.rebuilt(base, &next);
-                let (Some(now), Some(then)) = (best.last(), next.last()) else { continue };
-                let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;
-                let gain = self.ratio(&now.fit, &then.fit) - more * self.degrees.ln();
-                let lower = self.shown(&then.fit) <= self.shown(&now.fit);
-                let better = gain > THRESHOLDS.alike && lower;
-                // near the noise the criterion decides
-                let sure =
-                    || !self.is_far(then.fit.cost) || self.is_distinguished(&now.fit, &then.fit);
-                if next.len() == steps.len() && better && sure() && self.stands(then) {
-                    best = next;
-                }
-            }
-        }
-        best
-    }
-
-    /// The same steps fitted anew in their order, with their falls.
-    fn rebuilt(&self, base: &WindowFit, steps: &[Step]) -> Vec<Step> {
-        let mut out: Vec<Step> = Vec::new();
-        let mut fits = vec![base.clone()];
-        let first = &self.held_out(&[base])[0];
-        let mut shown = vec![first.shown];
-        for step in steps {
-            let before = fits.last().expect("the base is there");
-            let Some(e) = step.fit.place_of(&step.id) else { break };
-            let effect = step.fit.model.effects()[e].clone();
-            let shift = effect.change() == Change::TimeShift;
-            let before = if shift { self.untimed(before) } else { before.clone() };
-            let own = step.fit.p[step.fit.model.slots(e)].to_vec();
-            let Ok(model) = before.model.add_effect(effect) else { break };
-            let start: Vec<f64> = before.p.iter().copied().chain(own).collect();
-            let Some(next) = fit(&self.windows, &model, &start, &self.scale) else { break };
-            let next = self.released(next);
-            let held_out = self.held_out(&[&before, &next]);
-            out.push(Step {
-                fit: next.clone(),
-                last: self.fall(&held_out[0], &held_out[1]),
-                total: self.fall(first, &held_out[1]),
-                ..step.clone()
-            });
-            shown.push(held_out[1].shown);
-            fits.push(next);
-        }
-        out.truncate(self.falling(&fits.iter().collect::<Vec<_>>(), &shown));
-        out
     }
 
     /// Whether the reported error falls from one value to that of `fit` by a relevant share, or to the floor without a
@@ -284,15 +178,18 @@ impl Search<'_> {
     /// the error due to the sampling of the input.
     ///
     /// ```text
-    /// rms_before² - rms_after² >= min(rms_unresolved², rms_after²)
+    /// rms_before² - rms_after² >= min(rms_unresolved², rms_after² - noise²)
     /// ```
-    /// The error due to the sampling remains after an effect that exists, so it is at most the remaining error. An
-    /// effect that only compensates for the sampling would have to remove the larger part. A shift acts in the few
-    /// windows in which the input changes: it must only exceed the smallest share. An effect that
-    /// [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half the rate.
-    fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
+    /// The error due to the sampling remains after an effect that exists, so it is at most what noise of the speeds
+    /// leaves of the remaining error. An effect that only compensates for the sampling would have to remove the larger
+    /// part. A shift acts in the few windows in which the input changes: it must only exceed the smallest share. An
+    /// effect that [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half
+    /// the rate. If the error before is less than what the sampling seems to leave open, the rows tell more than every
+    /// other one of them, as those of a controller that answers to each, and half the rate shows nothing.
+    pub(super) fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
-        let open = self.judge.unresolved(&last.model, &last.p);
+        let open = LazyCell::new(|| self.judge.unresolved(&last.model, &last.p));
+        let by_sampling = |after: f64| self.judge.by_sampling(&last.model, &last.p, after);
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
             let (fit, next) = (fits[n - 1], fits[*n]);
@@ -302,8 +199,10 @@ impl Search<'_> {
             let fall = before.powi(2) - after.powi(2);
             let resolved = || {
                 let compensates = between_rows(next) > between_rows(fit);
-                fall >= open.min(after).powi(2)
-                    && (!compensates || self.is_alike_at_half_rate(fit, next, fall))
+                (fall >= after.powi(2) || fall >= by_sampling(after))
+                    && (!compensates
+                        || *open > before
+                        || self.is_alike_at_half_rate(fit, next, fall))
             };
             self.lowers(before, after, next) && (!asked || resolved())
         };

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::Windows;
 use super::compared::Compared;
-use super::sums::TINY;
+use super::sums::{Start, TINY};
 use super::window::Window;
 use crate::model::Model;
 use crate::robot::State;
-use crate::simulate::{Input, simulate_windows};
+use crate::simulate::{BETWEEN_ROWS, Input, simulate_windows};
 
 /// Errors of one window.
 pub struct Errors {
@@ -107,34 +107,68 @@ impl Windows<'_> {
     /// simulated speeds in variances of the error, and n the number of values.
     pub(in crate::diagnose) fn contrast(&self, one: &[Errors], other: &[Errors]) -> Vec<f64> {
         let of = |((window, a), b): ((&Window, &Errors), &Errors)| {
-            let (mut apart, mut count) = (0.0, 0.0);
-            for (k, (a, b)) in a.error.iter().zip(&b.error).enumerate() {
-                for i in 0..2 {
-                    let w = self.weight(window, k, i);
-                    apart += w * (a[i] - b[i]).powi(2);
-                    count += f64::from(u8::from(w > 0.0));
-                }
-            }
+            let (apart, count) = self.apart(window, a, b);
             if apart > 0.0 { apart / (apart + count) } else { 0.0 }
         };
         self.windows.iter().zip(one).zip(other).map(of).collect()
     }
 
-    fn square(&self, window: &Window, errors: &Errors) -> f64 {
-        let mut total = 0.0;
-        for i in 0..2 {
-            let (mut square, mut linear, mut weights) = (0.0, 0.0, 0.0);
-            for (k, e) in errors.error.iter().enumerate() {
+    /// Sum of squared differences of two simulations of a window in variances of the error, and number of values.
+    fn apart(&self, window: &Window, one: &Errors, other: &Errors) -> (f64, f64) {
+        let (mut apart, mut count) = (0.0, 0.0);
+        for (k, (a, b)) in one.error.iter().zip(&other.error).enumerate() {
+            for i in 0..2 {
                 let w = self.weight(window, k, i);
-                square += w * e[i] * e[i];
-                if k < errors.moving[i] {
-                    linear += w * e[i];
-                    weights += w;
-                }
+                apart += w * (a[i] - b[i]).powi(2);
+                count += f64::from(u8::from(w > 0.0));
             }
-            total += square - linear * linear / (weights + 1.0 / window.variance[i].max(TINY));
         }
-        total
+        (apart, count)
+    }
+
+    /// Share of the squared error by the unknown input between the rows that the errors of a model allow, at most one:
+    /// the error estimated by omitting every other row of the input must not exceed what noise leaves of them.
+    ///
+    /// ```text
+    /// (Σ e²/s² - n + 2 √(2 n)) / (1/9 mean over both ways of Σ (e_half - e)²/s²)
+    /// ```
+    /// n values, whose sum of squares scatters by √(2 n). A controller that answers to each row, even to noise, makes the
+    /// input jump from row to row: the other rows then tell nothing about those that are omitted.
+    pub(in crate::diagnose) fn allowed_sampling(&self, model: &Model, p: &[f64]) -> Option<f64> {
+        let whole = self.errors(model, p)?;
+        let sum_apart = |errors: &[Errors]| -> (f64, f64) {
+            let windows = self.windows.iter().zip(&whole).zip(errors);
+            windows
+                .map(|((w, a), b)| self.apart(w, a, b))
+                .fold((0.0, 0.0), |(s, n), (a, c)| (s + a, n + c))
+        };
+        let (mut predicted, mut count) = (0.0, 0.0);
+        for phase in 0..2 {
+            let recordings = self.halved(phase);
+            let errors = self.with_recordings(recordings.iter().collect()).errors(model, p)?;
+            let (apart, values) = sum_apart(&errors);
+            predicted += 0.5 * BETWEEN_ROWS.powi(2) * apart;
+            count = values;
+        }
+        let square: f64 = self.squares_of(&whole).iter().sum();
+        let left = (square - count).max(0.0) + 2.0 * (2.0 * count).sqrt();
+        Some(if predicted > left { left / predicted } else { 1.0 })
+    }
+
+    fn square(&self, window: &Window, errors: &Errors) -> f64 {
+        let (mut square, mut by_start, mut products) = (0.0, [0.0; 2], [0.0; 3]);
+        for (k, e) in errors.error.iter().enumerate() {
+            for (i, e) in e.iter().enumerate() {
+                let w = self.weight(window, k, i);
+                let [right, left] = window.response(k, i, k >= errors.moving[i]);
+                square += w * e * e;
+                by_start = [by_start[0] + w * e * right, by_start[1] + w * e * left];
+                let [a, b, c] = products;
+                products = [a + w * right * right, b + w * right * left, c + w * left * left];
+            }
+        }
+        let start = Start::new(|i, j| products[i + j], &window.variance);
+        square - start.explains(by_start, by_start)
     }
 
     /// `Σ e²/S` of every window with whitened errors: noise of the input makes the error of a speed a random walk,

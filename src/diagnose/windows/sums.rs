@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::window::Window;
 use crate::math::descent::Quadratic;
 use crate::math::{FILLED, add_products};
 
@@ -46,8 +47,8 @@ pub(in crate::diagnose) fn quadratic_of(sums: &[Sums], columns: usize) -> Option
     })
 }
 
-/// Sums over the rows of a window, with and without the constant by which its initial speed may be wrong: the rows of
-/// each wheel, which are multiplied at once.
+/// Sums over the rows of a window, with and without what an error of its initial speeds explains: the rows of each
+/// wheel, which are multiplied at once.
 pub(super) struct Accumulator {
     columns: usize,
     width: usize,
@@ -55,73 +56,109 @@ pub(super) struct Accumulator {
 }
 
 /// The rows of a wheel.
+#[derive(Default)]
 struct Gathered {
-    lasts: bool,
-    /// Derivatives, error, and one while the constant lasts, filled up to `width` numbers.
+    rests: bool,
+    /// Derivatives, error, and response of the speed to the initial speeds, filled up to `width` numbers.
     rows: Vec<f64>,
     /// One over the variance of each row.
     weight: Vec<f64>,
-    /// Sum of the weights while the constant lasts.
-    weights: f64,
 }
 
 impl Accumulator {
     /// For up to `rows` rows.
     pub(super) fn new(columns: usize, rows: usize) -> Self {
-        let width = (columns + 2).next_multiple_of(FILLED);
+        let width = (columns + 3).next_multiple_of(FILLED);
         let wheel = || Gathered {
-            lasts: true,
+            rests: false,
             rows: Vec::with_capacity(rows * width),
             weight: Vec::with_capacity(rows),
-            weights: 0.0,
         };
         Self { columns, width, wheels: [wheel(), wheel()] }
     }
 
-    pub(super) fn add(&mut self, wheel: usize, e: f64, psi: &[f64], weight: f64, still: bool) {
-        let wheel = &mut self.wheels[wheel];
-        wheel.lasts &= !still;
+    /// Adds row `k` of a window.
+    pub(super) fn add(
+        &mut self,
+        (window, k, wheel): (&Window, usize, usize),
+        e: f64,
+        psi: &[f64],
+        weight: f64,
+        still: bool,
+    ) {
+        let gathered = &mut self.wheels[wheel];
+        gathered.rests |= still;
         if weight == 0.0 {
             return;
         }
-        let first = wheel.rows.len();
-        wheel.rows.resize(first + self.width, 0.0);
-        let row = &mut wheel.rows[first..];
+        let first = gathered.rows.len();
+        gathered.rows.resize(first + self.width, 0.0);
+        let row = &mut gathered.rows[first..];
         row[..self.columns].copy_from_slice(psi);
         row[self.columns] = e;
-        wheel.weight.push(weight);
-        if wheel.lasts {
-            row[self.columns + 1] = 1.0;
-            wheel.weights += weight;
-        }
+        gathered.weight.push(weight);
+        let [right, left] = window.response(k, wheel, gathered.rests);
+        (row[self.columns + 1], row[self.columns + 2]) = (right, left);
     }
 
-    /// Removes the part that the start explains; `None` if a sum is not finite.
+    /// Removes the part that the start explains, whose speeds have this variance; `None` if a sum is not finite.
     pub(super) fn finish(self, variance: &[f64; 2]) -> Option<Sums> {
         let Self { columns, width, wheels } = self;
         let mut out = Sums::zero(columns);
-        let (mut products, mut weighted) = (vec![0.0; (columns + 1) * width], Vec::new());
-        for (wheel, v) in wheels.iter().zip(variance) {
-            products.fill(0.0);
+        let (mut products, mut weighted) = (vec![0.0; (columns + 3) * width], Vec::new());
+        for wheel in &wheels {
             weighted.clear();
             weighted.extend_from_slice(&wheel.rows);
             for (row, weight) in weighted.chunks_exact_mut(width).zip(&wheel.weight) {
                 row.iter_mut().for_each(|value| *value *= weight);
             }
             add_products((&weighted, width), (&wheel.rows, width), &mut products);
-            let total = wheel.weights + 1.0 / v.max(TINY);
-            let row = |a: usize| &products[a * width..][..width];
-            // what the constant of the window explains
-            let constant = |a: usize| row(a)[columns + 1];
-            let left = |a: usize, b: usize| row(a)[b] - constant(a) * constant(b) / total;
-            out.square += left(columns, columns);
-            for a in 0..columns {
-                out.score[a] += left(a, columns);
-                (0..=a).for_each(|b| out.information[(a, b)] += left(a, b));
-            }
+        }
+        let row = |a: usize| &products[a * width..][..width];
+        let starts = columns + 1;
+        let start = Start::new(|i, j| row(starts + i)[starts + j], variance);
+        let by_start = |a: usize| [row(a)[starts], row(a)[starts + 1]];
+        let left = |a: usize, b: usize| row(a)[b] - start.explains(by_start(a), by_start(b));
+        out.square = left(columns, columns);
+        for a in 0..columns {
+            out.score[a] = left(a, columns);
+            (0..=a).for_each(|b| out.information[(a, b)] = left(a, b));
         }
         out.information.fill_upper_triangle_with_lower_triangle();
         let finite = out.square.is_finite() && out.information.iter().all(|v| v.is_finite());
         finite.then_some(out)
+    }
+}
+
+/// What an error of the initial speeds of a window explains of products of its rows.
+///
+/// ```text
+/// x' W y - x' W S (S' W S + V⁻¹)⁻¹ S' W y
+/// ```
+/// S: response of the speeds to their initial values, V: variance of these.
+pub(super) struct Start {
+    /// (S' W S + V⁻¹)⁻¹, symmetric: 00, 01, 11.
+    inverse: [f64; 3],
+}
+
+impl Start {
+    /// `products(i, j)`: S' W S; a start of variance zero is known exactly.
+    pub(super) fn new(products: impl Fn(usize, usize) -> f64, variance: &[f64; 2]) -> Self {
+        let [a, c] = [0, 1].map(|i| products(i, i) + 1.0 / variance[i].max(TINY));
+        let b = products(0, 1);
+        // without a common response the wheels stay exact where one is known and the other is not
+        let inverse = if b == 0.0 {
+            [1.0 / a, 0.0, 1.0 / c]
+        } else {
+            let determinant = a * c - b * b;
+            [c / determinant, -b / determinant, a / determinant]
+        };
+        Self { inverse }
+    }
+
+    /// Of the product of two columns, from theirs with S.
+    pub(super) fn explains(&self, x: [f64; 2], y: [f64; 2]) -> f64 {
+        let [a, b, c] = self.inverse;
+        x[0] * (a * y[0] + b * y[1]) + x[1] * (b * y[0] + c * y[1])
     }
 }

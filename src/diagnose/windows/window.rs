@@ -1,6 +1,7 @@
 //! A window of a recording, and how recordings are cut into windows.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::recording::Recording;
@@ -22,6 +23,21 @@ pub struct Window {
     pub(super) variance: [f64; 2],
     /// Factor on the weight of each wheel, one if the input between the rows has little effect.
     pub(super) share: [f64; 2],
+    /// Where an error of the start grows, the response of the speed of each wheel to the initial speeds, by row and
+    /// wheel; `None` where it persists.
+    pub(super) growing: Option<Arc<[[[f64; 2]; 2]]>>,
+}
+
+impl Window {
+    /// Response of the simulated speed of a wheel in row `k` to the initial speeds of both; an error of the start that
+    /// persists does so until the wheel `rests`.
+    pub(super) fn response(&self, k: usize, wheel: usize, rests: bool) -> [f64; 2] {
+        match &self.growing {
+            Some(rows) => rows[k][wheel],
+            None if rests => [0.0; 2],
+            None => std::array::from_fn(|i| f64::from(u8::from(i == wheel))),
+        }
+    }
 }
 
 /// The windows of a piece: equal parts of about 1 s, or longer at low rates, with at least twice the smallest

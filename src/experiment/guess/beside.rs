@@ -2,6 +2,7 @@
 
 use super::guessed::Candidate;
 use super::names::{Named, Quantity, Side, WISHED};
+use super::samples::never_varies;
 
 /// Reinterprets names whose meaning depends on the other names, and returns the questions on them.
 ///
@@ -39,19 +40,24 @@ pub(super) fn matrices(all: &mut [Candidate]) {
 }
 
 /// Words of a name that is the output of a controller, if it contains no other quantity.
-const OUTPUTS: [&str; 9] = ["output", "out", "ctrl", "control", "drive", "pid", "vm", "u", "pwr"];
+const OUTPUTS: [&str; 11] =
+    ["output", "outputs", "out", "ctrl", "control", "controls", "drive", "pid", "vm", "u", "pwr"];
+/// Words beside these in the messages of PX4.
+const ACTUATORS: [&str; 3] = ["actuator", "actuators", "motors"];
 
 /// Words of a share.
 const SHARES: [&str; 4] = ["percent", "pct", "percentage", "fraction"];
 
-/// Whether a name contains only a side and the output of a controller: `ctrl_r`, `output_left`, `Right Output Percent`.
+/// Whether a name contains only a wheel and the output of a controller: `ctrl_r`, `Right Output Percent`,
+/// `actuator_outputs_0.output[1]`.
 pub(super) fn is_output(named: &Named) -> bool {
     let is_one = |w: &String| {
-        [&OUTPUTS[..], &SHARES, &WISHED].iter().any(|words| words.contains(&w.as_str()))
+        let lists = [&OUTPUTS[..], &ACTUATORS, &SHARES, &WISHED];
+        lists.iter().any(|words| words.contains(&w.as_str()))
+            || w.chars().all(|c| c.is_ascii_digit())
     };
     let says = named.rest.iter().any(|w| OUTPUTS.contains(&w.as_str()));
-    let has_side = matches!(named.side, Some(Side::Right | Side::Left));
-    named.quantity.is_none() && has_side && says && named.rest.iter().all(is_one)
+    named.quantity.is_none() && named.side.is_some() && says && named.rest.iter().all(is_one)
 }
 
 /// Interprets outputs of controllers as inputs of the motors if both wheels have one and no other column is their
@@ -62,7 +68,9 @@ fn outputs(all: &mut [Candidate]) {
             && !(c.named.word == "v" && c.named.unit.is_none())
             && is_of_wheel(c)
     };
-    let found: Vec<bool> = all.iter().map(|c| is_output(&c.named)).collect();
+    // those of other actuators do not change
+    let is_one = |c: &Candidate| is_output(&c.named) && !never_varies(c.column);
+    let found: Vec<bool> = all.iter().map(is_one).collect();
     if all.iter().any(is_input) || found.iter().filter(|is_one| **is_one).count() != 2 {
         return;
     }
@@ -155,4 +163,32 @@ fn present_values(all: &mut [Candidate]) -> Option<String> {
             names.join(", ")
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guess;
+    use crate::io::PreviewColumn;
+    use crate::recording::DriveUnit;
+
+    #[test]
+    fn outputs_by_number_are_inputs_if_two_of_them_change() {
+        let column = |name: &str, scale: f64| PreviewColumn {
+            name: name.into(),
+            values: (0..400).map(|k| scale * (0.05 * f64::from(k)).sin()).collect(),
+            ..PreviewColumn::default()
+        };
+        for name in ["control", "actuator_outputs_0.output", "actuator_motors.control"] {
+            let output = |k: u32, scale: f64| column(&format!("{name}[{k}]"), scale);
+            let speeds = [0, 1].map(|k| column(&format!("wheel_encoders_0.wheel_speed[{k}]"), 9.0));
+            let log = |third: f64| {
+                guess(&[&speeds[..], &[output(0, 0.8), output(1, 0.8), output(2, third)]].concat())
+            };
+            let g = log(0.0);
+            let inputs = g.columns.iter().filter(|c| c.key.starts_with('M')).count();
+            assert_eq!((inputs, g.drive_unit), (2, DriveUnit::Volt), "{name}: {}", g.asked());
+            // three that change may be those of any wheels
+            assert!(!log(0.5).columns.iter().any(|c| c.key == "M1"), "{name}");
+        }
+    }
 }

@@ -130,7 +130,9 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
         all.iter().filter(rising).partition(|c| counts_rows(&c.column.values));
     let of = |c: &Candidate, why: &str| Guessed { evidence: vec![why.into()], ..guessed(c) };
     let placed = |one: &Candidate, why: &str| {
-        let is_place = one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
+        // a column without a name is the index of a table, and of its own for stamps
+        let is_index = one.column.name.trim().is_empty();
+        let is_place = !is_index && one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
         Some(Guessed { unit_open: is_place, ..of(one, why) })
     };
     match (&times[..], &rows[..]) {

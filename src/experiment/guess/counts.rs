@@ -56,8 +56,8 @@ pub(super) fn per_turn(columns: &[PreviewColumn], guess: &mut Guess) {
         if !asked {
             asked = true;
             guess.ask(
-                "how many counts has a turn of the wheel (encoder lines x 4 x gear)? Write it as \
-                 per_turn",
+                "how many counts has a turn of the wheel (encoder lines x 4 x gear; 360 if they are \
+                 degrees)? Write it as per_turn",
             );
         }
     }

@@ -6,6 +6,7 @@ mod centred;
 mod clock;
 mod commands;
 mod counts;
+mod devices;
 mod directions;
 mod electrical;
 mod guessed;
@@ -61,6 +62,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     };
     beside::matrices(&mut all);
     unknown_sides::by_pairs_of_words(&mut all);
+    devices::apply(&mut all);
     out.columns.extend(clock::time(&all));
     out.ask_all(ranges::apply(&mut all, &out));
     out.ask_all(beside::apply(&mut all));

@@ -61,8 +61,8 @@ pub(in crate::experiment::guess) fn named_with(
         true => (None, String::new()),
         false => quantity_of(&mut words, ending, in_brackets, side.is_some()),
     };
-    if ending.is_none() && plain.as_deref().is_some_and(|unit| PER_SECOND.contains(&unit)) {
-        ending = of_frequency(quantity, &word).and_then(unit);
+    if ending.is_none() {
+        ending = plain.and_then(|unit| of_frequency(&unit, quantity, &word)).and_then(unit);
     }
     // `sec`, `millis`: a unit of time and nothing else
     let time = matches!(ending, Some(("s" | "ms" | "us" | "ns" | "min" | "h" | "d", _)));
@@ -117,12 +117,15 @@ fn quantity_of(
 /// The unit of a frequency, without spaces, points and signs.
 const PER_SECOND: [&str; 6] = ["1/s", "1/sec", "s1", "s^1", "s⁻¹", "/s"];
 
-/// Unit of a speed in `1/s`: turns per second for a word for turns, rad/s for a word for an angular speed; open for
-/// any other.
-fn of_frequency(quantity: Option<Quantity>, word: &str) -> Option<&'static str> {
-    match quantity {
-        Some(Quantity::Speed) if TURNS.contains(&word) => Some("rev/s"),
-        Some(Quantity::Speed) if !leaves_speed_open(word) => Some("rad/s"),
+/// Unit of a speed in the unit of a frequency. Of `1/s`: turns per second for a word for turns, rad/s for a word for an
+/// angular speed; open for any other. Turns alone have a speed in hertz.
+fn of_frequency(unit: &str, quantity: Option<Quantity>, word: &str) -> Option<&'static str> {
+    let is_speed = quantity == Some(Quantity::Speed);
+    match unit {
+        "hz" if is_speed => Some("rev/s"),
+        unit if !is_speed || !PER_SECOND.contains(&unit) => None,
+        _ if TURNS.contains(&word) => Some("rev/s"),
+        _ if !leaves_speed_open(word) => Some("rad/s"),
         _ => None,
     }
 }
@@ -152,6 +155,10 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
 }
 
 fn take_side(words: &mut Vec<String>) -> Option<Side> {
+    // `speed_right_left(:,1)` is of either wheel
+    if ["right", "left"].iter().all(|side| words.iter().any(|word| word == side)) {
+        return take_number(words);
+    }
     let side = |word: &str| {
         side(word).map(|side| match side {
             WheelSide::Right => Side::Right,
@@ -201,6 +208,11 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
         words[k] = word[..1].to_string();
         return side(&word[1..]);
     }
+    take_number(words)
+}
+
+/// Takes the last number of a wheel off the words.
+fn take_number(words: &mut Vec<String>) -> Option<Side> {
     let number = words.iter().rposition(|w| matches!(w.as_str(), "0" | "1" | "2"))?;
     words.remove(number).parse().ok().map(Side::Numbered)
 }
@@ -335,6 +347,10 @@ mod tests {
             ("left rotations/s", Some(Speed), Some(Left), Some("rev/s")),
             ("right_revs_per_sec", Some(Speed), Some(Right), Some("rev/s")),
             ("wheel_left_rotations_per_second", Some(Speed), Some(Left), Some("rev/s")),
+            ("wheel_speed_right_left(:,2)", Some(Speed), Some(Numbered(2)), None),
+            ("1.velocity [Hz]", Some(Speed), Some(Numbered(1)), Some("rev/s")),
+            ("/feedback/drivers[0]/measured_travel", Some(Angle), Some(Numbered(0)), None),
+            ("drivers[1]/speed [rpm]", Some(Speed), Some(Numbered(1)), Some("rpm")),
             ("left.halfturns", Some(Angle), Some(Left), Some("rev")),
             ("amps_l", Some(Current), Some(Left), Some("A")),
             ("out.wl.Data", Some(Speed), Some(Left), None),

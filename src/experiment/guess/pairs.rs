@@ -176,6 +176,7 @@ fn siblings<'a, 'b>(fits: &[&'a Candidate<'b>], pair: Two) -> Vec<&'a Candidate<
     let own = [pair.0, pair.1].map(|c| &c.column.name);
     let is_one = |c: &&&Candidate| {
         !own.contains(&&c.column.name)
+            && !never_varies(c.column)
             && c.named.wished == pair.0.named.wished
             && stem(c).is_some_and(|s| s == pair.0.named.rest)
     };

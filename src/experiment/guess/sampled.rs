@@ -6,13 +6,13 @@ use super::guessed::{Guess, Guessed};
 use super::names::named;
 use super::times::{rate, time};
 use super::values::{is_never_negative, values_of};
+use crate::conditioning::IMPORT;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
-/// Rate of the rows \[Hz\] from which a current is used before a voltage. A voltage is held from row to row, and the
-/// current falls meanwhile, as the motor gains speed; one sample a row does not show by how much. The error of the
-/// inertia is half a row over the mechanical time constant of the motor: for 0.04 s, 25 % at 50 Hz and 2.5 % at 500 Hz.
-const SAMPLED: f64 = 500.0;
+/// Rate of the rows \[Hz\] from which a current is used before a voltage: that at which half a row over the time constant of
+/// a motor is the largest error of its inertia.
+const SAMPLED: f64 = 0.5 / (IMPORT.sampled_error * IMPORT.motor_s);
 
 /// The inputs with voltages first where the currents are sampled too slowly; and of currents and voltages those that
 /// come last.

@@ -3,11 +3,12 @@
 use super::guessed::{About, Guess, Guessed, Question};
 use super::names::named;
 use super::samples::{increases, largest, values_of, whole};
+use crate::conditioning::IMPORT;
 use crate::io::PreviewColumn;
 use crate::math::median_high;
 
 /// Rates that logs of robots have \[Hz\].
-const RATES: (f64, f64) = (2.0, 2e4);
+const RATES: (f64, f64) = (2.0, IMPORT.fastest_hz);
 /// Slower logs of steps of an input \[Hz\], and the slowest where a name states seconds.
 const SLOWEST: f64 = 0.5;
 const STATED: f64 = 0.1;
@@ -152,12 +153,11 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
     }
 }
 
-/// No logger of a robot writes rows at this rate \[Hz\].
-const IMPOSSIBLE: f64 = 3e4;
-
 /// Whether the rows would come faster than any logger writes them in the unit that the name of the time states.
 fn is_too_fast(step: f64, one: &Guessed) -> bool {
-    one.unit.is_some() && one.scale.is_none() && 1.0 / (step * seconds(one)) > IMPOSSIBLE
+    one.unit.is_some()
+        && one.scale.is_none()
+        && 1.0 / (step * seconds(one)) > IMPORT.impossible * RATES.1
 }
 
 /// Replaces the unit of a name by the longest one that gives the rate of a log: `time_us` in whole seconds.

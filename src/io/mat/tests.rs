@@ -130,3 +130,49 @@ fn compressed_data_unfold_to_no_more_than_there_is_room_for() {
     let e = unfold(&bytes, 99_999).unwrap_err();
     assert!(e.expected.contains("at most 1024 MiB"), "{e:?}");
 }
+
+/// An element of a file with little-endian numbers.
+fn of_type(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut out = [kind, data.len() as u32].map(u32::to_le_bytes).concat();
+    out.extend(data);
+    out.resize(out.len().next_multiple_of(8), 0);
+    out
+}
+
+/// A variable of this class with its content behind size and name.
+fn variable(class: u32, size: [u32; 2], name: &str, content: &[Vec<u8>]) -> Vec<u8> {
+    let head = [class, 0].map(u32::to_le_bytes).concat();
+    let size = size.map(u32::to_le_bytes).concat();
+    let parts = [of_type(6, &head), of_type(5, &size), of_type(1, name.as_bytes())];
+    of_type(MATRIX, &[&parts[..], content].concat().concat())
+}
+
+#[test]
+fn the_text_of_a_signal_is_the_name_of_its_values() {
+    let numbers = |values: [f64; 2]| {
+        let data = values.map(f64::to_le_bytes).concat();
+        variable(6, [2, 1], "", &[of_type(9, &data)])
+    };
+    let text = |text: &str| {
+        let letters: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        variable(4, [1, text.len() as u32], "", &[of_type(4, &letters)])
+    };
+    let signals = |fields: [&str; 2], labels: [&str; 2]| {
+        let names: Vec<u8> = fields.iter().flat_map(|f| format!("{f:\0<8}").into_bytes()).collect();
+        let mut content = vec![of_type(5, &8_u32.to_le_bytes()), of_type(1, &names)];
+        content.extend([numbers([1.0, 2.0]), text(labels[0])]);
+        content.extend([numbers([3.0, 4.0]), text(labels[1])]);
+        let mut all = vec![b' '; 124];
+        all.extend([0, 1, b'I', b'M']);
+        all.extend(variable(2, [1, 2], "s", &content));
+        columns(&all, false)
+    };
+    let right = ("right speed [rpm]".to_string(), vec![1.0, 2.0]);
+    let of_dspace = signals(["Data", "Name"], ["right speed [rpm]", "left speed [rpm]"]);
+    assert_eq!(of_dspace[0], right);
+    // a signal without a name, and a text that is no name
+    let unnamed = signals(["values", "label"], ["right speed [rpm]", ""]);
+    assert_eq!(unnamed, [right, ("s(2).values".into(), vec![3.0, 4.0])]);
+    let other = signals(["values", "title"], ["right", "left"]);
+    assert_eq!(other[0].0, "s(1).values");
+}

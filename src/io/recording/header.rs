@@ -8,7 +8,11 @@ use crate::io::error::shown;
 /// The name without the unit behind it.
 pub(super) fn bare(name: &str) -> &str {
     let name = without_port(name).0;
-    if is_element(name) { name } else { name.split(['[', '(']).next().unwrap_or(name).trim() }
+    match opening(name).filter(|_| !is_element(name)) {
+        Some(at) => name[..at].trim(),
+        None if is_element(name) => name,
+        None => name.trim(),
+    }
 }
 
 /// A name and the number behind its unit: Simulink writes that of the port of the block, `Speed (rad/s):1`.
@@ -26,9 +30,23 @@ pub fn without_port(name: &str) -> (&str, Option<&str>) {
 /// The unit in brackets behind a name; the word of a side is none.
 pub(super) fn bracketed(name: &str) -> Option<&str> {
     let name = without_port(name).0;
-    let (_, unit) = name.trim_end_matches([']', ')']).split_once(['[', '('])?;
-    let unit = unit.trim();
+    let unit = name[opening(name)? + 1..].trim_end_matches([']', ')']).trim();
     (!unit.is_empty() && !is_element(name) && !is_side(unit)).then_some(unit)
+}
+
+/// The place of the first bracket that holds no index: of `drivers[0]/speed [rpm]` that of the unit.
+#[must_use]
+pub fn opening(name: &str) -> Option<usize> {
+    let holds_index = |after: &str| {
+        let inner = after.split([']', ')']).next().unwrap_or(after);
+        inner.len() < after.len() && !inner.is_empty() && inner.chars().all(is_of_index)
+    };
+    name.match_indices(['[', '(']).map(|(at, _)| at).find(|at| !holds_index(&name[at + 1..]))
+}
+
+/// Whether a character may be part of an index, as in `[0]` and `(:,1)`.
+fn is_of_index(c: char) -> bool {
+    c.is_ascii_digit() || c == ':' || c == ','
 }
 
 /// Factor and offset of a column; the unit behind its name counts where the map gives none.
@@ -64,8 +82,7 @@ pub fn unknown_unit<'a>(map: &ColumnMap, key: &str, name: &'a str) -> Option<&'a
 /// Whether the brackets behind a name hold an index, as in `name[0]` and `name(:,1)`.
 fn is_element(name: &str) -> bool {
     let inner = name.strip_suffix([']', ')']).and_then(|n| n.rsplit_once(['[', '(']));
-    let index = |c: char| c.is_ascii_digit() || c == ':' || c == ',';
-    inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(index))
+    inner.is_some_and(|(_, i)| !i.is_empty() && i.chars().all(is_of_index))
 }
 
 #[cfg(test)]
@@ -78,6 +95,9 @@ mod tests {
         assert_eq!((bare("i (A)"), bracketed("i (A)")), ("i", Some("A")));
         assert_eq!((bare("velocity(:,1)"), bracketed("velocity(:,1)")), ("velocity(:,1)", None));
         assert_eq!((bare("t"), bracketed("t []")), ("t", None));
+        let inner = "drivers[0]/speed [rpm]";
+        assert_eq!((bare(inner), bracketed(inner)), ("drivers[0]/speed", Some("rpm")));
+        assert_eq!(bracketed("drivers[0]/speed"), None);
         let port = "Speed (rad/s):1";
         assert_eq!((bare(port), bracketed(port)), ("Speed", Some("rad/s")));
         assert_eq!(

@@ -174,8 +174,21 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} is held from row to row, but its values in {} that the logger lost are unknown",
             one(rows, "row")
         ),
+        Kind::OneSampleARow { half_row_s } => format!(
+            "{name} acts half a row late or is held, as an input that changes at the rows; its course between them is not \
+             recorded. A current that the drive regulates is constant there; that of a motor under a constant voltage \
+             falls as the motor gains speed, and a1 and a2 are then too large by the share of {} in the mechanical time \
+             constant of the motor, which their intervals do not contain (record the voltages, or more rows)",
+            ms(half_row_s)
+        ),
         Kind::HeldInput => format!(
             "{name} is held between the rows: the motion follows a held input better than a linear one"
+        ),
+        Kind::RowMeans { middle_s } => format!(
+            "{name} is the mean over a row whose middle is {} {} its time: the motion follows an input with these \
+             means better than a linear or a held one",
+            ms(middle_s.map(f64::abs)),
+            if middle_s.low() > 0.0 { "after" } else { "before" }
         ),
         Kind::Phase { shift_s, std_error_s } => format!(
             "{name} acts {} ± {} {} than in the mean of the recordings: its rows are at another phase of the \
@@ -256,7 +269,10 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
         Kind::Spikes { .. } => "replaced by linear interpolation",
         Kind::Unit { .. } => "converted",
-        Kind::Gear { .. } | Kind::Gain { .. } | Kind::LagsDiffer { .. } => "left as recorded",
+        Kind::Gear { .. }
+        | Kind::Gain { .. }
+        | Kind::LagsDiffer { .. }
+        | Kind::OneSampleARow { .. } => "left as recorded",
         Kind::Sign | Kind::Opposing => "sign reversed",
         Kind::Exchanged => "exchanged",
         Kind::Lag { .. } => "advanced by this time",
@@ -266,6 +282,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
             "interpolated between the rows, and the noise floor includes the unknown times"
         }
         Kind::LostRows { .. } => "on the line between the rows around them",
+        Kind::RowMeans { .. } => "replaced by the line with these means",
         Kind::HeldInput => "simulated as held (hold = \"linear\" interpolates between the rows)",
         Kind::Phase { .. } => "shifted by this time",
         Kind::StartHeading { .. } => "the angles are shifted",

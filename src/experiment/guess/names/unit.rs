@@ -113,15 +113,13 @@ pub(super) fn unit_in_front(name: &str) -> (Option<(&'static str, Option<Quantit
 
 /// The name and the unit in brackets after it; an index is not a unit.
 pub(super) fn split_unit(name: &str) -> (&str, Option<&str>) {
-    let trimmed = name.trim().trim_end_matches([']', ')']);
-    match trimmed.split_once(['[', '(']) {
-        // `omega 1 (right)`
-        Some((_, inner)) if crate::io::is_side(inner) => (name, None),
-        Some((bare, inner)) if inner.chars().any(char::is_alphabetic) => {
-            (bare.trim(), Some(inner.trim()))
-        }
-        _ => (name, None),
+    let Some(at) = crate::io::opening(name) else { return (name, None) };
+    let inner = name[at + 1..].trim().trim_end_matches([']', ')']);
+    // `omega 1 (right)`
+    if crate::io::is_side(inner) || !inner.chars().any(char::is_alphabetic) {
+        return (name, None);
     }
+    (name[..at].trim(), Some(inner.trim()))
 }
 
 pub(super) fn unit(text: &str) -> Option<(&'static str, Option<Quantity>)> {

@@ -1,0 +1,37 @@
+//! Limits of conditioning and import that decide what is reported or which column is used, with their reasons.
+
+/// Limits of conditioning and import. The ending of a name is its unit (`_s`, `_hz`); the others are dimensionless. Those
+/// marked "judgement" are choices of what is worth reporting.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct ImportThresholds {
+    /// Smallest relative deviation of a speed from the slope of its angle that is reported: a rounded encoder constant or
+    /// wheel radius causes less (judgement).
+    pub gain_off: f64,
+    /// Number of standard errors by which that gain must deviate: those of a mean of ten windows exceed it by chance in
+    /// one of a thousand channels (Student's t), those of many windows in one of a million.
+    pub gain_errors: f64,
+    /// Largest relative error of the inertia for which currents are used before voltages (judgement: as accurate as a
+    /// torque constant is known). A voltage is held from row to row, and the current falls meanwhile, as the motor gains
+    /// speed; one sample a row does not show by how much. The error is half a row over the mechanical time constant of the
+    /// motor.
+    pub sampled_error: f64,
+    /// Mechanical time constant in seconds of a motor with its wheel for that limit, of which a log states nothing before
+    /// a fit: geared motors of robots have 0.02 to 0.1 s. With 0.04 s currents are used from 500 rows per second on.
+    pub motor_s: f64,
+    /// Fastest rate in hertz at which rows of a robot are logged: that of a current controller.
+    pub fastest_hz: f64,
+    /// Ratio of the rate of the rows to the fastest above which the unit that the name of the time states is wrong. A wrong
+    /// unit changes the rate by a factor of a thousand, so that the limit is no matter of precision: half as fast again
+    /// admits loggers beyond those known.
+    pub impossible: f64,
+}
+
+/// The limits in use.
+pub const IMPORT: ImportThresholds = ImportThresholds {
+    gain_off: 0.02,
+    gain_errors: 5.0,
+    sampled_error: 0.025,
+    motor_s: 0.04,
+    fastest_hz: 2e4,
+    impossible: 1.5,
+};

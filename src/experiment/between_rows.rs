@@ -1,0 +1,67 @@
+//! Torques and currents of which the log has one sample a row while they change at the rows.
+//!
+//! A motor under a voltage that is held from row to row has a current that falls in between, as the motor gains speed:
+//!
+//! ```text
+//! i(t) = (V_k - k_e w(t))/R
+//! mean over the row = i_k - k_e (w_(k+1) - w_k)/(2 R)
+//! a1 = a1_true (1 + h/(2 tau)),     tau = a1_true R/(k_t k_e)
+//! ```
+//!
+//! At a constant period the fall is proportional to the acceleration, as is the torque of the inertia, so the motion
+//! cannot tell the two apart; it only shows that the input changes at the rows.
+
+use super::plan::Plan;
+use crate::conditioning::{Action, Channel, Finding, Kind};
+use crate::diagnose::{THRESHOLDS, Timing};
+use crate::recording::DriveUnit;
+use crate::simulate::Hold;
+
+/// Reports this for measured torques and currents that change at the rows.
+pub(super) fn note_unknown_course(plan: &mut Plan) {
+    let is_made = !plan.truth.is_empty();
+    if is_made || plan.drive_unit() == DriveUnit::Volt {
+        return;
+    }
+    let (hold, timing) = (plan.hold, plan.timing);
+    for m in &mut plan.recordings {
+        let step = m.recording.step();
+        if !changes_at_rows(hold, timing, step) {
+            continue;
+        }
+        let kind = Kind::OneSampleARow { half_row_s: 0.5 * step };
+        let found = |i| Finding { channel: Channel::Input(i), kind, action: Action::Noted };
+        m.conditioning.extend([0, 1].map(found));
+    }
+}
+
+/// Whether the input is held from row to row, or the motion follows the line between its samples half a row late,
+/// within an uncertainty that excludes the line itself.
+fn changes_at_rows(hold: Hold, timing: Option<Timing>, step: f64) -> bool {
+    let half = |timing: Timing| {
+        let late = timing.dead_time_s / step;
+        let uncertain = THRESHOLDS.uncertain * timing.std_error_s / step;
+        (late - THRESHOLDS.logging).abs() <= uncertain && late > uncertain
+    };
+    hold == Hold::Constant || timing.is_some_and(half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn late(dead_time_s: f64, std_error_s: f64) -> Option<Timing> {
+        Some(Timing { dead_time_s, std_error_s, ..Timing::default() })
+    }
+
+    #[test]
+    fn half_a_row_tells_steps_at_the_rows_from_a_line_between_them() {
+        let is = |timing| changes_at_rows(Hold::Linear, timing, 0.01);
+        assert!(is(late(0.0050, 0.0002)));
+        // on the line, later than logging explains, and not known well enough
+        for timing in [late(0.0001, 0.0002), late(0.0080, 0.0002), late(0.0050, 0.0040), None] {
+            assert!(!is(timing), "{timing:?}");
+        }
+        assert!(changes_at_rows(Hold::Constant, None, 0.01));
+    }
+}
