@@ -160,7 +160,7 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
 #[test]
 fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
     let model = Model::base(Robot::amigobot());
-    let mut recording = stepped(&[("turning_scrub", 0.1)], Hold::Linear, 43, |rows| rows);
+    let mut recording = stepped(&[("turning_scrub", 0.02)], Hold::Linear, 43, |rows| rows);
     let mut late = recording.torque().to_vec();
     late.rotate_right(1);
     late[0] = late[1];
