@@ -99,10 +99,16 @@ impl Accounts {
         Some(Self { line: squares(line)?, others, step: scale.step })
     }
 
-    /// The account that leaves least of those that the windows prefer to the line.
+    /// The account that leaves least of those that the windows prefer to the line. Where they do not distinguish a held
+    /// input from means, the values are means: those of a held input are the input itself, so that less is claimed.
     fn better(&self) -> Option<&Account> {
-        let better = self.others.iter().filter(|account| self.is_better(account));
-        better.min_by(|a, b| a.sum().total_cmp(&b.sum()))
+        let better = || self.others.iter().filter(|account| self.is_better(account));
+        let least = better().min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
+        let alike = |means: &&Account| {
+            means.between == Between::Means
+                && evidence(&means.squares, &least.squares) < THRESHOLDS.alike
+        };
+        Some(better().find(alike).unwrap_or(least))
     }
 
     /// Both by the likelihood of the rows and by what the windows scatter about. The likelihood of an incomplete model

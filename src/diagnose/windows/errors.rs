@@ -8,7 +8,7 @@ use super::sums::{Start, TINY};
 use super::window::Window;
 use crate::model::Model;
 use crate::robot::State;
-use crate::simulate::{BETWEEN_ROWS, Input, simulate_windows};
+use crate::simulate::{Input, simulate_windows};
 
 /// Errors of one window.
 pub struct Errors {
@@ -126,11 +126,11 @@ impl Windows<'_> {
         (apart, count)
     }
 
-    /// Share of the squared error by the unknown input between the rows that the errors of a model allow, at most one:
-    /// the error estimated by omitting every other row of the input must not exceed what noise leaves of them.
+    /// Share of the squared change by omitting every other row of the input that the errors of a model allow the unknown
+    /// input between all rows to have, at most one: no more than noise leaves of them.
     ///
     /// ```text
-    /// (Σ e²/s² - n + 2 √(2 n)) / (1/9 mean over both ways of Σ (e_half - e)²/s²)
+    /// (Σ e²/s² - n + 2 √(2 n)) / mean over both ways of Σ (e_half - e)²/s²
     /// ```
     /// n values, whose sum of squares scatters by √(2 n). A controller that answers to each row, even to noise, makes the
     /// input jump from row to row: the other rows then tell nothing about those that are omitted.
@@ -147,7 +147,7 @@ impl Windows<'_> {
             let recordings = self.halved(phase);
             let errors = self.with_recordings(recordings.iter().collect()).errors(model, p)?;
             let (apart, values) = sum_apart(&errors);
-            predicted += 0.5 * BETWEEN_ROWS.powi(2) * apart;
+            predicted += 0.5 * apart;
             count = values;
         }
         let square: f64 = self.squares_of(&whole).iter().sum();
