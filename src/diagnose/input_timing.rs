@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::cubic::{between_rows, cubic, weights_of_cubic};
 use super::row_means::line_with_means;
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
@@ -153,54 +154,6 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
     t.iter().map(|&now| between_rows(t, m, -shift + now, &mut row)).collect()
 }
 
-/// A signal with these rows at another instant, by cubic interpolation between them; beyond the ends that value is
-/// held. `row` is where the last instant was found, and is moved.
-#[inline(always)]
-pub(super) fn between_rows<T: Real>(t: &[f64], m: &[[T; 2]], at: T, row: &mut usize) -> [T; 2] {
-    let last = t.len() - 1;
-    if last == 0 {
-        return m[0];
-    }
-    let mut k = *row;
-    while k > 0 && t[k] > at.value() {
-        k -= 1;
-    }
-    while k + 1 < last && t[k + 1] <= at.value() {
-        k += 1;
-    }
-    *row = k;
-    if at.value() <= t[0] {
-        return m[0];
-    }
-    if at.value() >= t[last] {
-        return m[last];
-    }
-    let h = t[k + 1] - t[k];
-    let (before, behind) = (k.saturating_sub(1), (k + 2).min(last));
-    let slopes = [h / (t[k + 1] - t[before]), h / (t[behind] - t[k])];
-    let weights = weights_of_cubic((at - t[k]) / h, slopes);
-    cubic(&weights, [m[before], m[k], m[k + 1], m[behind]])
-}
-
-/// Weights of the differences of four rows in a cubic between the middle ones, at the share `s` of their distance. The
-/// slope at a row is that through its neighbours; `slopes`: the distance over that of the neighbours.
-#[inline(always)]
-fn weights_of_cubic<T: Real>(s: T, slopes: [f64; 2]) -> [T; 3] {
-    let (s2, s3) = (s * s, s * s * s);
-    [s2 * 3.0 - s3 * 2.0, (s3 - s2 * 2.0 + s) * slopes[0], (s3 - s2) * slopes[1]]
-}
-
-/// The cubic between the second and the third of four rows.
-#[inline(always)]
-fn cubic<T: Real>([rise, first, second]: &[T; 3], [m0, m1, m2, m3]: [[T; 2]; 4]) -> [T; 2] {
-    let mut out = m1;
-    for i in 0..2 {
-        out[i] =
-            m1[i] + *rise * (m2[i] - m1[i]) + *first * (m2[i] - m0[i]) + *second * (m3[i] - m1[i]);
-    }
-    out
-}
-
 /// A recording whose input acts `shift` seconds later; one that is held between the rows by the mean over each row.
 #[must_use]
 pub fn with_later_input(recording: &Recording, shift: f64, hold: Hold) -> Recording {
@@ -308,7 +261,8 @@ impl EvenShift {
 
 #[cfg(test)]
 mod tests {
-    use super::{EvenShift, between_rows, even_step, later};
+    use super::{EvenShift, even_step, later};
+    use crate::diagnose::cubic::between_rows;
     use crate::recording::{Channels, DriveUnit, Recording};
     use crate::simulate::{held_later, mean_later};
 

@@ -7,6 +7,7 @@ mod balance;
 mod by_recording;
 mod candidate;
 mod candidates;
+mod cubic;
 mod cutoff;
 mod differences;
 mod evidence;

@@ -1,6 +1,6 @@
 //! An input whose recorded values are means over a row, as by a logger that averages a faster signal.
 
-use super::input_timing::between_rows;
+use super::cubic::between_rows;
 use crate::math::Real;
 use crate::recording::Recording;
 
