@@ -52,7 +52,8 @@ pub(super) fn line_with_means<T: Real>(
     (0..t.len()).map(|k| [0, 1].map(|i| value(k, i))).collect()
 }
 
-/// A recording whose input has the recorded means over its rows, `shift` seconds later; see [`line_with_means`].
+/// A recording whose input has the recorded means over its rows, `shift` seconds later: value k is the mean from row k to the next, at
+/// `shift` = -h the one from the row before.
 #[must_use]
 pub fn with_line_of_means(recording: &Recording, shift: f64) -> Recording {
     let of = |piece: &std::ops::Range<usize>| {

@@ -88,7 +88,7 @@ impl<'a> Windows<'a> {
         Self { recordings, windows, hold, noise, growth }
     }
 
-    /// [`Windows::new`] with the weights of [`Windows::sampled`] and the responses of [`Windows::growing`], all of
+    /// [`Windows::new`] with the weights of [`Windows::sampled`] and the responses to growing errors of the start, all of
     /// `model` at `p`.
     #[must_use]
     pub fn weighted(recordings: Vec<&'a Recording>, hold: Hold, model: &Model, p: &[f64]) -> Self {
