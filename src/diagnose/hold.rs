@@ -100,12 +100,14 @@ impl Accounts {
     }
 
     /// The account that leaves least of those that the windows prefer to the line. Where they do not distinguish a held
-    /// input from means, the values are means: those of a held input are the input itself, so that less is claimed.
+    /// input from means of a row that has ended when they are recorded, the values are means: those of a held input are
+    /// the input itself, so that less is claimed. A command acts from its row on.
     fn better(&self) -> Option<&Account> {
         let better = || self.others.iter().filter(|account| self.is_better(account));
         let least = better().min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
         let alike = |means: &&Account| {
             means.between == Between::Means
+                && means.time.0 < -THRESHOLDS.logging * self.step
                 && evidence(&means.squares, &least.squares) < THRESHOLDS.alike
         };
         Some(better().find(alike).unwrap_or(least))
