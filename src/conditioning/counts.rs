@@ -17,8 +17,9 @@
 //! With n of one row the variance of counts is also 20/12, that of rounded speeds 6/12 (less if the motion is slow).
 //! In a recording with fast motion the second criterion is not decisive; the decision is then that of the other
 //! recordings of the log, or of the experiment file, if it describes the speeds as counts of an encoder and the ways
-//! from row to row are whole numbers of them: a speed that is rounded to counts per second is not. If one recording contradicts it, no speeds are replaced, because otherwise half of the log
-//! would be shifted by half a row against the other.
+//! from row to row are whole numbers of them: a speed that is rounded to counts per second is not. If one recording
+//! contradicts it, no speeds are replaced, because otherwise half of the log would be shifted by half a row against the
+//! other.
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high};
@@ -157,15 +158,16 @@ fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64], described: bool) ->
     shown.then_some(Counts { step: step_rad, counts, rows })
 }
 
-/// Largest relative difference of the step of a grid from a described count.
+/// Largest relative difference of the step of a grid from a described count: that of a factor stated with three digits
+/// (judgement: another encoder differs by more).
 const SAME: f64 = 1e-3;
 
 /// The counts of an encoder that the experiment file describes, if the speeds are differences of them over single rows.
 fn described(step_rad: f64, omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let sizes = sizes(&ways(omega, steps));
     let step = on_grid(&sizes, step_rad).filter(|_| sizes.len() >= FEWEST)?;
-    let encoder = Encoder { step_rad: step, rows: 1 };
-    encoder.counts(step_rad).then(|| counts_of(encoder, omega, steps, true)).flatten()
+    let is_same = Encoder { step_rad: step, rows: 1 }.counts(step_rad);
+    is_same.then(|| Counts { step, counts: by_row(omega, steps, step, 1), rows: 1 })
 }
 
 /// How far the wheel moved from row to row \[rad\].

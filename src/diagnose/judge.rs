@@ -39,6 +39,28 @@ pub struct Left {
     pub slow: SlowNoise,
 }
 
+/// What the sampling of the input may cause of the error of a model over windows, in two bounds [rad/s].
+#[derive(Clone, Copy, Debug)]
+pub struct Sampling {
+    /// [`Judge::unresolved`].
+    pub unresolved: f64,
+    /// Error of a correct model by noise of the speeds alone, [`sensor_floor`].
+    pub noise: f64,
+}
+
+impl Sampling {
+    /// Its part of a squared `error` [rad/s], no more than noise of the speeds leaves of it [rad^2/s^2].
+    ///
+    /// ```text
+    /// min(unresolved², error² - noise²)
+    /// ```
+    #[must_use]
+    pub fn part_of(&self, error: f64) -> f64 {
+        let left = (error.powi(2) - self.noise.powi(2)).max(0.0);
+        self.unresolved.powi(2).min(left)
+    }
+}
+
 /// The recordings that errors are judged on, with their smooth motion.
 pub struct Judge {
     /// Recordings, preferably held out from all fits.
@@ -107,18 +129,12 @@ impl Judge {
         unresolved(&dynamics, &self.recordings, self.hold).unwrap_or(0.0)
     }
 
-    /// The part of the squared `error` of a model over windows [rad/s] that the sampling of the input may cause: that
-    /// of [`Judge::unresolved`], but no more than noise of the speeds leaves of it [rad^2/s^2].
-    ///
-    /// ```text
-    /// min(unresolved², error² - noise²)
-    /// ```
+    /// What the sampling of the input may cause of the error of a model over windows.
     #[must_use]
-    pub fn by_sampling(&self, model: &Model, p: &[f64], error: f64) -> f64 {
+    pub fn sampling(&self, model: &Model, p: &[f64]) -> Sampling {
         let dynamics = PhysicalDynamics { model: model.clone(), p: p.to_vec() };
         let noise = sensor_floor(&dynamics, &self.recordings, self.hold, 0).unwrap_or(0.0);
-        let left = (error.powi(2) - noise.powi(2)).max(0.0);
-        self.unresolved(model, p).powi(2).min(left)
+        Sampling { unresolved: self.unresolved(model, p), noise }
     }
 
     /// Mean square error over windows with every other row of the input, the mean over both choices of them

@@ -45,7 +45,7 @@ pub use differences::{Difference, difference};
 pub use fit::{WindowFit, fit};
 pub use hold::{Acting, Known, acting_input};
 pub use input_timing::{SYMBOL as INPUT_SHIFT, shifted, with_later_input};
-pub use judge::{Judge, Judgement};
+pub use judge::{Judge, Judgement, Sampling};
 pub use logging::{Accounts, Logging, more_likely_logging};
 pub use low_pass::{Computed, LowPass};
 pub use next_run::{Limits, Proposal, Rivals, next_run};

@@ -3,6 +3,7 @@
 use super::cubic::between_rows;
 use crate::math::Real;
 use crate::recording::Recording;
+use crate::simulate::impulse;
 
 /// The values at the rows of an input that varies linearly between them and whose means over the rows are those that
 /// were recorded, `shift` seconds later: value k is the mean from row k to the next, at `shift` = -h the one from the
@@ -24,10 +25,7 @@ pub(super) fn line_with_means<T: Real>(
 ) -> Vec<[T; 2]> {
     let Some(last) = t.last() else { return vec![] };
     let times: Vec<f64> = t.iter().copied().chain([last + last_s]).collect();
-    let mut sums = vec![[T::from(0.0); 2]];
-    for (k, m) in recorded.iter().enumerate() {
-        sums.push([0, 1].map(|i| sums[k][i] + m[i] * (times[k + 1] - times[k])));
-    }
+    let sums = impulse(&times, recorded);
     let (first, last) = (recorded[0], recorded[recorded.len() - 1]);
     let mut row = 0;
     let mut integral = |at: T| {
@@ -52,8 +50,8 @@ pub(super) fn line_with_means<T: Real>(
     (0..t.len()).map(|k| [0, 1].map(|i| value(k, i))).collect()
 }
 
-/// A recording whose input has the recorded means over its rows, `shift` seconds later: value k is the mean from row k to the next, at
-/// `shift` = -h the one from the row before.
+/// A recording whose input has the recorded means over its rows, `shift` seconds later: value k is the mean from row k to
+/// the next, at `shift` = -h the one from the row before.
 #[must_use]
 pub fn with_line_of_means(recording: &Recording, shift: f64) -> Recording {
     let of = |piece: &std::ops::Range<usize>| {

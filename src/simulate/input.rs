@@ -73,12 +73,7 @@ pub(crate) fn mean_later<T: Real>(
     shift: T,
     last_s: f64,
 ) -> Vec<[T; 2]> {
-    // integral from the first row on, a line between the rows
-    let mut sums = vec![[T::from(0.0); 2]];
-    for k in 1..t.len() {
-        let sum = sums[k - 1];
-        sums.push([0, 1].map(|i| sum[i] + signal[k - 1][i] * (t[k] - t[k - 1])));
-    }
+    let sums = impulse(t, signal);
     let integral = |at: T| {
         let k = t.partition_point(|row| *row < at.value()).saturating_sub(1);
         [0, 1].map(|i| sums[k][i] + signal[k][i] * (at - t[k]))
@@ -89,6 +84,16 @@ pub(crate) fn mean_later<T: Real>(
         [0, 1].map(|i| (to[i] - from[i]) / h)
     };
     (0..t.len()).map(mean).collect()
+}
+
+/// Integral of a `signal` that is held from each of the times `t` to the next, from the first one to each.
+pub(crate) fn impulse<T: Real>(t: &[f64], signal: &[[T; 2]]) -> Vec<[T; 2]> {
+    let mut sums = vec![[T::from(0.0); 2]];
+    for k in 1..t.len() {
+        let sum = sums[k - 1];
+        sums.push([0, 1].map(|i| sum[i] + signal[k - 1][i] * (t[k] - t[k - 1])));
+    }
+    sums
 }
 
 /// The input at the times of the rows, for balances of torques: an input that is held changes there, and the mean of

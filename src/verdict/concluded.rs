@@ -244,7 +244,7 @@ fn leaves(ranked: &Ranked, validated: bool, judge: &Judge, errors: &Errors) -> O
 fn reason(judge: &Judge, now: f64, fit: &WindowFit, id: &str) -> Withheld {
     let with =
         judge.judge(&fit.model, &fit.p).map_or(f64::INFINITY, |with| with.window_rms.powi(2));
-    let open = || judge.by_sampling(&fit.model, &fit.p, with.sqrt());
+    let open = || judge.sampling(&fit.model, &fit.p).part_of(with.sqrt());
     let between = fit.model.effects().iter().any(|effect| effect.change().acts_between_rows());
     // a fit that cannot be simulated also raises it
     if !(with <= now) {

@@ -188,8 +188,7 @@ impl Search<'_> {
     /// other one of them, as those of a controller that answers to each, and half the rate shows nothing.
     pub(super) fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };
-        let open = LazyCell::new(|| self.judge.unresolved(&last.model, &last.p));
-        let by_sampling = |after: f64| self.judge.by_sampling(&last.model, &last.p, after);
+        let sampling = LazyCell::new(|| self.judge.sampling(&last.model, &last.p));
         let falls = |n: &usize| {
             let (before, after) = (shown[n - 1], shown[*n]);
             let (fit, next) = (fits[n - 1], fits[*n]);
@@ -199,9 +198,9 @@ impl Search<'_> {
             let fall = before.powi(2) - after.powi(2);
             let resolved = || {
                 let compensates = between_rows(next) > between_rows(fit);
-                (fall >= after.powi(2) || fall >= by_sampling(after))
+                (fall >= after.powi(2) || fall >= sampling.part_of(after))
                     && (!compensates
-                        || *open > before
+                        || sampling.unresolved > before
                         || self.is_alike_at_half_rate(fit, next, fall))
             };
             self.lowers(before, after, next) && (!asked || resolved())

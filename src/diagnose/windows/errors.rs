@@ -136,19 +136,15 @@ impl Windows<'_> {
     /// input jump from row to row: the other rows then tell nothing about those that are omitted.
     pub(in crate::diagnose) fn allowed_sampling(&self, model: &Model, p: &[f64]) -> Option<f64> {
         let whole = self.errors(model, p)?;
-        let sum_apart = |errors: &[Errors]| -> (f64, f64) {
-            let windows = self.windows.iter().zip(&whole).zip(errors);
-            windows
-                .map(|((w, a), b)| self.apart(w, a, b))
-                .fold((0.0, 0.0), |(s, n), (a, c)| (s + a, n + c))
-        };
         let (mut predicted, mut count) = (0.0, 0.0);
         for phase in 0..2 {
             let recordings = self.halved(phase);
             let errors = self.with_recordings(recordings.iter().collect()).errors(model, p)?;
-            let (apart, values) = sum_apart(&errors);
-            predicted += 0.5 * apart;
-            count = values;
+            for ((window, a), b) in self.windows.iter().zip(&whole).zip(&errors) {
+                let (apart, values) = self.apart(window, a, b);
+                predicted += 0.5 * apart;
+                count += 0.5 * values;
+            }
         }
         let square: f64 = self.squares_of(&whole).iter().sum();
         let left = (square - count).max(0.0) + 2.0 * (2.0 * count).sqrt();

@@ -56,7 +56,6 @@ pub(super) struct Accumulator {
 }
 
 /// The rows of a wheel.
-#[derive(Default)]
 struct Gathered {
     rests: bool,
     /// Derivatives, error, and response of the speed to the initial speeds, filled up to `width` numbers.
