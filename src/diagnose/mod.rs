@@ -34,6 +34,7 @@ mod speed_filter;
 mod thresholds;
 mod timing;
 mod verdict;
+mod whole;
 mod windows;
 
 pub use acceptance::{Fall, fall_of};

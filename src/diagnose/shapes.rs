@@ -8,6 +8,7 @@ use super::fit::fit;
 use super::input_timing::InputTiming;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
+use super::whole::{followed, over_whole_numbers, whole_numbers};
 use super::windows::Windows;
 use crate::effects::{ParameterKind, Scale};
 use crate::identify::{Task, start};
@@ -70,10 +71,12 @@ impl Place<'_> {
         let mut starts: Vec<(f64, Model, Vec<f64>)> =
             trials.into_par_iter().filter_map(|trial| self.start(&trial)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        starts.truncate(THRESHOLDS.followed);
+        let numbers = |(_, model, p): &(f64, Model, Vec<f64>)| whole_numbers(model, e, p);
+        let starts = followed(starts, THRESHOLDS.followed, numbers);
         let fits =
             starts.par_iter().filter_map(|(_, model, p)| fit(&self.windows, model, p, &self.scale));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let best = best.map(|fit| over_whole_numbers(&self.windows, fit, e, &self.scale, 0.0));
         let shapes = free_shapes(&model, e).into_iter();
         best.map_or(model.clone(), |best| {
             shapes.fold(model, |model, j| model.starting_at(j, best.p[j]))

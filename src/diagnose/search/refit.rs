@@ -11,6 +11,7 @@ use crate::diagnose::input_timing::SYMBOL;
 use crate::diagnose::outcome::Ranked;
 use crate::diagnose::regression::Regression;
 use crate::diagnose::thresholds::THRESHOLDS;
+use crate::diagnose::whole::{followed, over_whole_numbers, whole_numbers};
 use crate::diagnose::windows::bounds;
 use crate::effects::ParameterKind;
 use crate::identify::{Task, start::start};
@@ -120,7 +121,9 @@ impl Search<'_> {
             .par_iter()
             .filter_map(|start| fit_within(&self.windows, &model, start, &self.scale, negligible))
             .collect();
-        fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
+        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let e = model.effects().len() - 1;
+        Some(over_whole_numbers(&self.windows, best, e, &self.scale, negligible))
     }
 
     /// Initial values estimated with the input changed by `shape`: in a fit without it the other parameters compensate
@@ -158,7 +161,7 @@ impl Search<'_> {
         self.size_at(present, r, &own) <= self.scale.torque_quantile(1.0)
     }
 
-    /// The `count` starts with the lowest cost.
+    /// The `count` starts with the lowest cost; of every whole number of the last effect the best comes first.
     fn lowest(&self, model: &Model, starts: Vec<Vec<f64>>, count: usize) -> Vec<Vec<f64>> {
         if starts.len() <= count {
             return starts;
@@ -175,7 +178,8 @@ impl Search<'_> {
         let costs: Vec<f64> = starts.par_iter().map(cost).collect();
         let mut order: Vec<usize> = (0..starts.len()).collect();
         order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        order.truncate(count);
+        let last = model.effects().len() - 1;
+        let order = followed(order, count, |n| whole_numbers(model, last, &starts[*n]));
         order.into_iter().map(|n| starts[n].clone()).collect()
     }
 
