@@ -10,7 +10,8 @@ use crate::math::rms;
 
 /// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
 const LITTLE: f64 = 0.01;
-/// Scatter beyond which a row cannot be distinguished from the next, and the share of rows that may have more.
+/// Scatter beyond which a row cannot be distinguished from the next, and the share of rows with more above which rows
+/// are not counted by their stamps.
 const HALF: f64 = 0.5;
 const FEW: f64 = 0.05;
 /// Gain by which the clock that counts rows follows the stamps: over some twenty rows.
@@ -43,8 +44,7 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
         return;
     };
     let pieces = pieces(t);
-    let even: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
-    let Some(share) = share_of_scatter(t, &even) else { return };
+    let Some((even, share)) = evened(t, &pieces) else { return };
     let shown = context.even_times && !is_smoother(values, &even, t, &pieces);
     if !shown && !is_smoother(values, t, &even, &pieces) {
         return;
@@ -54,14 +54,19 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
 }
 
-/// The scatter of the stamps `t` about even times as a share of a row; `None` if it is negligible, or so large that a
-/// row cannot be distinguished from the next.
-fn share_of_scatter(t: &[f64], even: &[f64]) -> Option<f64> {
+/// The even times of rows stamped at `t`, and the scatter of the stamps about them as a share of a row; `None` if it is
+/// negligible. Where a row cannot be distinguished from the next by its stamp, lost rows cannot be recognised, and the
+/// rows are counted as if there were none: it is for the motion to decide.
+fn evened(t: &[f64], pieces: &[Range<usize>]) -> Option<(Vec<f64>, f64)> {
     let step = median_step(t);
-    let off: Vec<f64> = t.iter().zip(even).map(|(t, even)| (t - even) / step).collect();
-    let share = rms(off.iter().copied());
-    let far = off.iter().filter(|o| o.abs() > HALF).count() as f64;
-    (share > LITTLE && far <= FEW * off.len() as f64 && is_increasing(even)).then_some(share)
+    let counted: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
+    let off = |even: &[f64]| -> Vec<f64> {
+        t.iter().zip(even).map(|(t, even)| (t - even) / step).collect()
+    };
+    let far = off(&counted).iter().filter(|o| o.abs() > HALF).count() as f64;
+    let even = if far <= FEW * t.len() as f64 { counted } else { on_numbers(t) };
+    let share = rms(off(&even).into_iter());
+    (share > LITTLE && is_increasing(&even)).then_some((even, share))
 }
 
 /// Puts rows that a receiver stamped in batches, one shortly after the other, at even times by their number, where the
@@ -118,13 +123,14 @@ pub(super) fn by_number(t: &[f64], starts: &[usize]) -> Vec<f64> {
         let end = starts.get(piece.end).copied().unwrap_or(t.len());
         starts[piece.start]..end
     });
-    ends.flat_map(|rows| {
-        let t = &t[rows];
-        let places: Vec<f64> = (0..t.len()).map(|k| k as f64).collect();
-        let mean = (t[t.len() - 1] - t[0]) / (t.len().max(2) - 1) as f64;
-        if t.len() > 2 { on_lines(t, &places, mean) } else { t.to_vec() }
-    })
-    .collect()
+    ends.flat_map(|rows| on_numbers(&t[rows])).collect()
+}
+
+/// Each row on the line through the stamps around it, by its number.
+fn on_numbers(t: &[f64]) -> Vec<f64> {
+    let places: Vec<f64> = (0..t.len()).map(|k| k as f64).collect();
+    let mean = (t[t.len() - 1] - t[0]) / (t.len().max(2) - 1) as f64;
+    if t.len() > 2 { on_lines(t, &places, mean) } else { t.to_vec() }
 }
 
 /// Each row on the line through the stamps around it, over the places of the rows, of which one takes about `h` \[s\].
@@ -265,6 +271,29 @@ mod tests {
         for (found, is) in late.channels.t.iter().zip(&even) {
             assert!((found - is - 0.002).abs() < 1.2e-3, "{found} {is}");
         }
+    }
+
+    #[test]
+    fn rows_whose_stamps_reach_the_next_rows_are_counted() {
+        // delays with exponential tails of half a row on average, delivered in order
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let (mut late, mut last) = (work(0.0, 0.0, 1e-3), 0.0);
+        let even: Vec<f64> = (0..late.channels.t.len()).map(|k| 0.01 * k as f64).collect();
+        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
+        late.channels.alpha = Some(even.iter().map(|t| motion(*t)).collect());
+        for (stamp, t) in late.channels.t.iter_mut().zip(&even) {
+            last = (t - 0.005 * (1.0 - rng.random::<f64>()).ln()).max(last + 8e-5);
+            *stamp = last;
+        }
+        even_times(&mut late, &Settings::default(), &Context::default());
+        assert!(
+            matches!(late.findings[..], [Finding { kind: Kind::Jitter { share }, .. }] if share > 0.4)
+        );
+        // 5 ms late on average and more where rows wait for one before; lines through a hundred stamps
+        let off: Vec<f64> =
+            late.channels.t.iter().zip(&even).map(|(found, is)| found - is).collect();
+        let mean = off.iter().sum::<f64>() / off.len() as f64;
+        assert!(off.iter().all(|o| (o - mean).abs() < 4e-3), "{off:?}");
     }
 
     #[test]

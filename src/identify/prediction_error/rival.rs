@@ -28,7 +28,7 @@ const FAILS: f64 = 1.5;
 /// whatever the held-out errors. A kind of motion that was driven once cannot be predicted from the others: if the
 /// error of the regression is larger by one half on held-out pieces than with all pieces, only the errors with all
 /// pieces are compared. Where the model `errs` by more than noise, the intervals of a fit that is kept include the
-/// disagreement of the two.
+/// disagreement of the two, unless the regression fails.
 pub(super) fn better(
     (task, rows): (&Task, Option<Regression>),
     open: &OpenLoop,
@@ -51,7 +51,8 @@ pub(super) fn better(
     let clear = fails || clearly_smaller(&logs(&errors), &logs(&chosen.held_out));
     let is_predictable = mean(&errors).sqrt() <= FAILS * other;
     if !other.is_finite() || !(fails_in_sample || (matters && clear && is_predictable)) {
-        return if errs { with_disagreement(fit, &rival) } else { fit };
+        let is_second_opinion = errs && other <= FAILS * own;
+        return if is_second_opinion { with_disagreement(fit, &rival) } else { fit };
     }
     with_shapes_of(&fit, &mut rival, &regressed);
     let held_out = !fails_in_sample;
@@ -62,7 +63,7 @@ pub(super) fn better(
     in_place_of(fit, rival, held_out, (found, open.unit()))
 }
 
-/// The fit, or that of the weak form or of the free simulation if its 2 s simulation error on the training pieces is
+/// The fit, or that of a regression (shapes at their initial values) or of the free simulation if its 2 s simulation error on the training pieces is
 /// smaller by more than one half: all have the same parameters, so that the fit fails. Predictions over single rows are
 /// good with inertias far too large, where the speeds hardly change or the rows are slow. Without a reason for this, an
 /// error of the model (`errs`) or an initial value that `simulates` better, the other methods are not tried.
@@ -78,7 +79,8 @@ pub(super) fn unless_it_fails(
     if !errs && !fails(simulates) {
         return fit;
     }
-    let methods: [&dyn Identifier; 2] = [&WeakForm::default(), &OutputError::default()];
+    let methods: [&dyn Identifier; 3] =
+        [&TorqueRegression::default(), &WeakForm::default(), &OutputError::default()];
     let others = methods.into_iter().filter_map(|method| of_a_robot(task, method));
     let others = others.map(|other| (error(&other), other));
     match others.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -172,7 +174,10 @@ mod tests {
         let Note::BetterMethod { method, held_out: false, .. } = &replaced.notes[0] else {
             panic!("{:?}", replaced.notes)
         };
-        assert!(["weak_form", "output_error"].contains(&method.as_str()), "{method}");
+        assert!(
+            ["torque_regression", "weak_form", "output_error"].contains(&method.as_str()),
+            "{method}"
+        );
         assert_eq!(replaced.method, fit.method);
     }
 
