@@ -119,10 +119,11 @@ impl Accounts {
         let gain = self.line.iter().sum::<f64>() - account.sum();
         let likely = gain > THRESHOLDS.alike * account.error.powi(2).max(1.0);
         let sure = evidence(&self.line, &account.squares) > THRESHOLDS.alike;
-        likely
-            && sure
-            && (account.is_right()
-                || account.between == Between::Held && account.acts_at_rows(self.step))
+        let possible = match account.between {
+            Between::Means => account.is_right() && account.is_of_a_row(self.step),
+            _ => account.is_right() || account.acts_at_rows(self.step),
+        };
+        likely && sure && possible
     }
 }
 
@@ -143,6 +144,14 @@ impl Account {
         time.abs() <= uncertain && uncertain < THRESHOLDS.logging
     }
 
+    /// Whether the time of means is, within its uncertainty, that of the row that ends when they are recorded, of the one
+    /// that begins, or between the two. Means from later rows are not known yet: a motion that follows these has a delay
+    /// of the actuator; means from longer ago are those of no logger.
+    fn is_of_a_row(&self, step: f64) -> bool {
+        let uncertain = THRESHOLDS.uncertain * self.time.1;
+        (-step - uncertain..=uncertain).contains(&self.time.0)
+    }
+
     /// With the first `count` parameters, those of the model as given.
     fn known(&self, count: usize) -> Known {
         let acting = match self.between {
@@ -150,5 +159,24 @@ impl Account {
             _ => Acting::Held,
         };
         Known { acting, p: self.p[..count].to_vec() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_those_of_the_row_before_or_of_the_one_that_begins() {
+        let step = 0.01;
+        let of_a_row = |time_s: f64| {
+            let (squares, p) = (vec![], vec![]);
+            let time = (time_s, 2e-4);
+            Account { between: Between::Means, squares, error: 1.0, time, p }.is_of_a_row(step)
+        };
+        assert!(of_a_row(-step) && of_a_row(-0.5 * step) && of_a_row(0.0));
+        // within two standard errors of the ends, not beyond
+        assert!(of_a_row(3e-4) && of_a_row(-step - 3e-4));
+        assert!(!of_a_row(3.8e-3) && !of_a_row(-2.26 * step));
     }
 }

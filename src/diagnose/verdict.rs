@@ -71,6 +71,12 @@ impl Errors {
         (self.after / self.floor).sqrt()
     }
 
+    /// Whether nothing that matters is left above the floor after the error of the last model has fallen to that `share`.
+    #[must_use]
+    pub fn falls_to_floor(&self, share: f64) -> bool {
+        share * self.ratio() <= THRESHOLDS.above_floor
+    }
+
     /// Whether the model as given is at the floor.
     #[must_use]
     pub fn was_at_floor(&self) -> bool {

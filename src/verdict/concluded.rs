@@ -64,9 +64,11 @@ impl<'a> Concluded<'a> {
         let undetermined = undetermined.or_else(|| steady(&judge, &errors));
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
-        let acts =
-            |r: &&Ranked| r.refit.as_ref().is_some_and(|fit| judge.acts(fit, &r.candidate.id));
-        let likely = likely(diagnosis, &errors).filter(acts);
+        // one that does not act in the judged recordings lowers their error through the parameters that the training
+        // recordings bias without it: where that is all of the error, it is the likely cause
+        let acts = |r: &Ranked| r.refit.as_ref().is_some_and(|f| judge.acts(f, &r.candidate.id));
+        let explains = |r: &Ranked| r.fall.is_some_and(|fall| errors.falls_to_floor(fall.ratio));
+        let likely = likely(diagnosis, &errors).filter(|r| acts(r) || explains(r));
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
