@@ -12,8 +12,11 @@
 //! ```text
 //! omega_k = (alpha_k - alpha_(k-m)) / (t_k - t_(k-m)) + e_k,   var e << var of the speeds' own noise
 //! ```
-//! So do those that any other linear filter made of them (`of_angle.rs`).
+//! So do those that any other linear filter made of them (`of_angle.rs`). Beside angles that determine the speed as well,
+//! speeds that are late by more than a row and a half are used if they are only delayed, and not if they are filtered
+//! (`delayed.rs`).
 
+mod delayed;
 mod lag;
 mod of_angle;
 
@@ -41,7 +44,7 @@ const SPAN: usize = 16;
 /// least all of it.
 const SHARED: f64 = 0.25;
 /// A lag of more samples is not one of reading one sensor after the other, but of a filter or a
-/// message that came late.
+/// message that came late, which [`delayed::is_delayed`] distinguishes.
 const SKEW: f64 = 1.5;
 /// Robust deviations beyond which a window is left out: jumps of the angle.
 const FAR: f64 = 8.0;
@@ -100,7 +103,8 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
     };
     let Lag { value: lag_s, std_error: std_error_s } = lag;
     let spare = full_rate && samples.iter().all(|s| angles_suffice(s, lag_s));
-    if lag_s.abs() > SKEW * step && spare {
+    let is_filtered = || !samples.iter().all(|s| delayed::is_delayed(s, lag_s));
+    if lag_s.abs() > SKEW * step && spare && is_filtered() {
         leave_out(work, settings, Kind::Filtered { lag_s, std_error_s });
     } else if context.speed_lag == SpeedLag::Disputed {
         let kind = Kind::LagsDiffer { lag_s, std_error_s };

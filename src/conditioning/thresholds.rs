@@ -24,6 +24,15 @@ pub struct ImportThresholds {
     /// unit changes the rate by a factor of a thousand, so that the limit is no matter of precision: half as fast again
     /// admits loggers beyond those known.
     pub impossible: f64,
+    /// Number of standard errors within which the smoothing of a speed that is late must be that of a delay, and by which
+    /// that of a moving average must be excluded: a delay fails by chance in one of 400 logs, for noise of normal
+    /// distribution.
+    pub delay_errors: f64,
+    /// Smoothing of a speed that sampling causes, as a variance in squares of a row: a sixth by the trapezoids of its integral,
+    /// a twelfth by a sensor that counts over one row.
+    pub sampled_smoothing: f64,
+    /// Part of its full scale by which a command at its limit may differ from it: one of ten bits.
+    pub full_scale: f64,
 }
 
 /// The limits in use.
@@ -34,4 +43,7 @@ pub const IMPORT: ImportThresholds = ImportThresholds {
     motor_s: 0.04,
     fastest_hz: 2e4,
     impossible: 1.5,
+    delay_errors: 3.0,
+    sampled_smoothing: 0.25,
+    full_scale: 0.001,
 };

@@ -33,6 +33,7 @@ mod smoothed;
 mod speed_filter;
 mod thresholds;
 mod timing;
+mod untimed;
 mod verdict;
 mod whole;
 mod windows;
@@ -62,6 +63,7 @@ pub use smoothed::Smoothed;
 pub use speed_filter::{SpeedFilter, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
 pub use timing::{Timing, timing};
+pub use untimed::Untimed;
 pub use verdict::{
     Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,
     structured, structured_by_blocks, withheld,

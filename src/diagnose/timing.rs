@@ -15,6 +15,7 @@ use super::regression::Regression;
 use super::scale::scale_of;
 use super::smoothed::Smoothed;
 use super::thresholds::THRESHOLDS;
+use super::untimed::Untimed;
 use super::windows::Windows;
 use crate::effects::Scale;
 use crate::filter::likelihood_of_steps;
@@ -64,20 +65,27 @@ fn agree((one, its_error): (f64, f64), (other, other_error): (f64, f64)) -> bool
 }
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of the
-/// torques over the whole range, then by simulation from there, if it is more than a row, and from zero. `None` where
-/// the motion does not carry it, where it began earlier after a step from rest, or where a model above the floor of
-/// noise is simulated best outside the range.
+/// torques over the whole range, then by simulation from there, if it is more than a row, and from zero.
 ///
 /// The balance is wrong by fractions of a row where friction decides, since its sign comes from a smoothed
 /// speed; a simulation stops and breaks away by itself.
-#[must_use]
-pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -> Option<Timing> {
+///
+/// # Errors
+/// Where the motion does not carry it, where it began earlier after a step from rest, or where a model above the floor
+/// of noise is simulated best outside the range.
+pub fn timing(
+    model: &Model,
+    p: &[f64],
+    recordings: &[&Recording],
+    hold: Hold,
+) -> Result<Timing, Untimed> {
     let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
     let scale = scale_of(model, p, recordings);
     let smoothed = Smoothed::new(recordings, scale.bandwidth);
-    let regression = Regression::new(model, p, &smoothed, scale.speed)?;
-    let coarse =
-        lowest_of_balance(&regression, step, (THRESHOLDS.earliest, THRESHOLDS.longest_delay_s))?;
+    let regression =
+        Regression::new(model, p, &smoothed, scale.speed).ok_or(Untimed::NotExcited)?;
+    let range = (THRESHOLDS.earliest, THRESHOLDS.longest_delay_s);
+    let coarse = lowest_of_balance(&regression, step, range).ok_or(Untimed::NoMinimum)?;
     let balanced = LazyCell::new(|| by_balance(&regression, step, &coarse));
     // a wheel that breaks away late, under more torque than it then needs, moves the balance to another minimum; within
     // half a row of zero the fine search stays within a row of it
@@ -88,14 +96,14 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let shift = simulated.and_then(|s| s.shift);
     // a model above the floor whose simulation fits no time lacks what the balance takes for one
     if shift.is_none() && simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor) {
-        return None;
+        return Err(Untimed::AboveFloor);
     }
-    let (dead_time_s, std_error_s) =
-        shift.or_else(|| balanced.map(|balanced| of_input(balanced, step, hold)))?;
+    let balanced = || balanced.map(|balanced| of_input(balanced, step, hold));
+    let (dead_time_s, std_error_s) = shift.or_else(balanced).ok_or(Untimed::NoMinimum)?;
     let earliest = dead_time_s - THRESHOLDS.uncertain * std_error_s;
     // a motion that began before contradicts the time: the model lacks what it stands for
-    if latest_dead_time(recordings).is_some_and(|latest| earliest > latest) {
-        return None;
+    if let Some(onset_s) = latest_dead_time(recordings).filter(|onset| earliest > *onset) {
+        return Err(Untimed::Later { time_s: dead_time_s, onset_s });
     }
     let late = earliest > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
@@ -109,7 +117,7 @@ pub fn timing(model: &Model, p: &[f64], recordings: &[&Recording], hold: Hold) -
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
-    Some(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
+    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a

@@ -6,8 +6,8 @@ use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
     Accounts, Acting, AsRecorded, Computed, Judge, Known, LowPass, SpeedFilter, StartAngle,
-    THRESHOLDS, Timing, acting_input, more_likely_logging, phases, shapes_placed, speed_filter,
-    start_angles, timing, with_later_input, with_line_of_means,
+    THRESHOLDS, Timing, Untimed, acting_input, more_likely_logging, phases, shapes_placed,
+    speed_filter, start_angles, timing, with_later_input, with_line_of_means,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
@@ -80,7 +80,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     }
     if !own {
         plan.timing = time_of_input(plan, &start);
-        share = plan.timing.and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
+        share = plan.timing.ok().and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
     note_unknown_course(plan);
     plan.recordings.iter_mut().for_each(|m| m.recording.set_noise_of_jumps(share));
@@ -136,7 +136,7 @@ fn between_rows(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Op
 
 /// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
 /// does not excite, is replaced by one that follows it.
-fn time_of_input(plan: &Plan, start: &[f64]) -> Option<Timing> {
+fn time_of_input(plan: &Plan, start: &[f64]) -> Result<Timing, Untimed> {
     let train = plan.of(Role::Train);
     let recordings: Vec<&Recording> = train.iter().collect();
     let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
@@ -150,7 +150,7 @@ fn time_of_input(plan: &Plan, start: &[f64]) -> Option<Timing> {
 /// Shifts the inputs by the part of their time that logging explains; the uncertainty of this time is part of the
 /// noise.
 fn apply_timing(plan: &mut Plan) {
-    let Some(timing) = plan.timing else { return };
+    let Ok(timing) = plan.timing else { return };
     for MeasuredRecording { recording, .. } in &mut plan.recordings {
         recording.set_input_time_error(time_error(&timing, recording.step()));
         if timing.correction_s != 0.0 {

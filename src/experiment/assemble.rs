@@ -10,6 +10,7 @@ use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
 use crate::compare::WINDOW;
+use crate::diagnose::Untimed;
 use crate::effects;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
@@ -191,7 +192,7 @@ pub(super) fn assembled(
         model,
         recordings,
         hold: hold.unwrap_or_default(),
-        timing: None,
+        timing: Err(Untimed::default()),
         emulated: gain.is_some() || methods.iter().any(|m| m.method.fits_emulator()),
         methods,
         gain: gain.unwrap_or(Gain::ZERO),

@@ -23,7 +23,7 @@ pub(super) fn note_unknown_course(plan: &mut Plan) {
     if is_made || plan.drive_unit() == DriveUnit::Volt {
         return;
     }
-    let (hold, timing) = (plan.hold, plan.timing);
+    let (hold, timing) = (plan.hold, plan.timing.ok());
     for m in &mut plan.recordings {
         let step = m.recording.step();
         if !changes_at_rows(hold, timing, step) {

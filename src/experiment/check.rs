@@ -7,11 +7,12 @@ use super::error::ExperimentError;
 use super::execute::{is_toml, load, load_recordings};
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan};
 use crate::conditioning::{Stated, stated};
+use crate::diagnose::Untimed;
 use crate::identify::start::start;
 use crate::identify::{IdentifyError, Task};
 use crate::io::exists;
 use crate::recording::{Finding, Issue, StatedIssue};
-use crate::report::{dead_time, dead_time_advice};
+use crate::report::{dead_time, dead_time_advice, no_dead_time};
 use crate::robot::Robot;
 use crate::study::Role;
 
@@ -112,13 +113,20 @@ fn conditioning(plan: &Plan, out: &mut String) {
     for (names, found) in plan.grouped(|m| stated(&m.conditioning), Stated::join) {
         let _ = writeln!(out, "  signal      {names}: {found}");
     }
-    if let Some(timing) = plan.timing {
+    let words = plan.timing.map(|timing| {
         let advice = match timing.is_late() {
             false => String::new(),
             true if plan.diagnosis.is_some() => ": the diagnosis determines its cause".to_owned(),
             true => format!(": {}", dead_time_advice()),
         };
-        let _ = writeln!(out, "  dead time   {}{advice}", dead_time(&timing));
+        dead_time(&timing) + &advice
+    });
+    match words {
+        Err(Untimed::NotSought) => {}
+        words => {
+            let words = words.unwrap_or_else(|reason| no_dead_time(&reason));
+            let _ = writeln!(out, "  dead time   {words}");
+        }
     }
 }
 

@@ -103,7 +103,7 @@ pub(super) fn diagnose_with_progress(
 /// without effects, where one of them is a shift itself, and where the data do not determine it within what logging
 /// explains.
 fn timing_with_found(plan: &Plan, diagnosis: &Diagnosis) -> Option<Timing> {
-    let given = plan.timing?;
+    let given = plan.timing.ok()?;
     let shifts = |id: &String| effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
     if diagnosis.found().iter().any(shifts) {
         return None;
@@ -208,7 +208,7 @@ fn search(
         ..settings.clone()
     };
     let validation = plan.of(Role::Validation);
-    let corrected_s = plan.timing.map_or(0.0, |t| t.correction_s);
+    let corrected_s = plan.timing.map_or(0.0, |t: Timing| t.correction_s);
     let data = Data { train: &train, validation: &validation, hold: plan.hold, corrected_s };
     crate::diagnose::diagnose(&model, &starts, &data, &settings)
 }
@@ -261,7 +261,7 @@ fn held_by(model: &Model, file: &Model) -> Vec<String> {
 /// explains (it can invert the sign of inertias in fast steps), and from the construction data.
 fn starts(plan: &Plan, task: &Task) -> Vec<Vec<f64>> {
     let mut out = Vec::new();
-    let late = plan.timing.map_or(0.0, |t| t.dead_time_s - t.correction_s);
+    let late = plan.timing.map_or(0.0, |t: Timing| t.dead_time_s - t.correction_s);
     if late > task.train.iter().map(Recording::step).fold(0.0, f64::max) {
         let later = |r| with_later_input(r, late, task.hold);
         let moved: Vec<Recording> = task.train.iter().map(later).collect();

@@ -12,7 +12,7 @@ use super::custom::Own;
 use super::remark::Remark;
 pub use super::source::MeasuredRecording;
 use crate::conditioning::{Stated, stated};
-use crate::diagnose::Timing;
+use crate::diagnose::{Timing, Untimed};
 use crate::effects;
 use crate::model::Model;
 use crate::recording::{DriveUnit, LongRecording, Recording, StatedIssue};
@@ -63,8 +63,8 @@ pub struct Plan {
     pub recordings: Vec<MeasuredRecording>,
     /// The input between samples.
     pub hold: Hold,
-    /// Shift in time between input and motion, if determined.
-    pub timing: Option<Timing>,
+    /// Shift in time between input and motion, or why it is not reported.
+    pub timing: Result<Timing, Untimed>,
     /// Methods to compare.
     pub methods: Vec<MethodPlan>,
     /// Gain of the emulator.
@@ -119,7 +119,7 @@ impl Plan {
 
     /// The dead time, if it exceeds what logging explains and the model has none.
     pub(super) fn late(&self) -> Option<Timing> {
-        self.timing.filter(Timing::is_late)
+        self.timing.ok().filter(Timing::is_late)
     }
 
     /// The model that the methods fit: that of the file, with a delay of the input where the recordings have a dead

@@ -93,8 +93,8 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         completed,
         curves,
         diagnosis,
-        timing: timing.or(plan.timing),
-        timing_as_given: timing.and(plan.timing),
+        timing: timing.map_or(plan.timing, Ok),
+        timing_as_given: timing.and(plan.timing.ok()),
         model_out,
         what_if,
         ..bare(plan, recordings, methods)

@@ -4,8 +4,8 @@
 //! `name(:,1)`, `name(:,2)`, or, where it is wider than high, for each of its rows, `name(1,:)`.
 //! The fields of a structure `s` are `s.field`, those of a list of structures, as Simulink exports
 //! signals, `s(1).field`; where such a structure has a text `Name` or `label` beside its `Data` or `values`, that text is
-//! the name of the column. The cells of a cell array `c` are `c{1}`, `c{2}`. Single numbers, complex and sparse matrices
-//! and text are no columns.
+//! the name of the column. The cells of a cell array `c` are `c{1}`, `c{2}`. The columns of a matrix have the texts of a
+//! list beside it as their names (`mat/listed.rs`). Single numbers, complex and sparse matrices and text are no columns.
 //!
 //! ```text
 //! file    = text:116 bytes  8 bytes  version:u16  "IM" or "MI"  element*
@@ -14,6 +14,8 @@
 //! type 15 = an element compressed by zlib
 //! ```
 //! Source: MathWorks, MAT-File Format, 2019, chapter 1.
+
+mod listed;
 
 use std::io::Read;
 use std::path::Path;
@@ -43,6 +45,8 @@ struct Variable {
     columns: Vec<Column>,
     /// The text of a variable that is one, in a line.
     text: Option<String>,
+    /// The texts of a cell array that contains nothing else, or the rows of a character array.
+    texts: Vec<String>,
 }
 
 pub(super) const FORMAT: WholeFormat = WholeFormat {
@@ -54,7 +58,8 @@ pub(super) const FORMAT: WholeFormat = WholeFormat {
 fn read(path: &Path) -> Result<Vec<Column>, IoError> {
     let all = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
     let big_endian = header(path, &all)?;
-    let variables = variables(&all, big_endian).map_err(|d| d.in_file(path, "MAT"))?;
+    let mut variables = variables(&all, big_endian).map_err(|d| d.in_file(path, "MAT"))?;
+    listed::name_columns(&mut variables);
     let kinds: Vec<String> =
         variables.iter().map(|v| format!("{} ({})", v.name, v.class)).collect();
     let columns: Vec<Column> = variables.into_iter().flat_map(|v| v.columns).collect();
@@ -183,7 +188,7 @@ fn named_matrix(
         return Ok(None);
     }
     let class = class(flags);
-    let mut variable = Variable { name, class, columns: vec![], text: None };
+    let mut variable = Variable { name, class, columns: vec![], text: None, texts: vec![] };
     if class == STRUCTURE && depth < DEEPEST {
         let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
         // a structure that is written in another way is no column, as before
@@ -194,11 +199,16 @@ fn named_matrix(
     if class == CELL && depth < DEEPEST {
         let count = size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d)).unwrap_or(0);
         let cells = cells(&mut bytes, &variable.name, count.min(MOST_COLUMNS), depth);
-        variable.columns = cells.unwrap_or_default();
+        let cells = cells.unwrap_or_default();
+        variable.texts = listed::texts(&cells);
+        variable.columns = cells.into_iter().flat_map(|v| v.columns).collect();
         return Ok(Some(variable));
     }
     if class == TEXT {
-        variable.text = text(&mut bytes);
+        let rows = size.first().copied().unwrap_or_default();
+        let all = text(&mut bytes);
+        variable.texts = all.as_ref().map_or(vec![], |all| listed::rows(all, rows));
+        variable.text = all.map(|all| all.trim().to_owned());
         return Ok(Some(variable));
     }
     if let [rows, columns] = size[..]
@@ -211,15 +221,19 @@ fn named_matrix(
     Ok(Some(variable))
 }
 
-/// The columns of the cells of a cell array.
-fn cells(bytes: &mut Bytes, name: &str, count: usize, depth: usize) -> Result<Vec<Column>, Damage> {
+/// The cells of a cell array that are not empty.
+fn cells(
+    bytes: &mut Bytes,
+    name: &str,
+    count: usize,
+    depth: usize,
+) -> Result<Vec<Variable>, Damage> {
     let mut out = vec![];
     for k in 0..count {
         let (kind, data) = element(bytes, "a cell")?;
         if kind == MATRIX {
             let place = format!("{name}{{{}}}", k + 1);
-            let inner = named_matrix(data, bytes.big_endian, &place, depth + 1)?;
-            out.extend(inner.map_or(vec![], |v| v.columns));
+            out.extend(named_matrix(data, bytes.big_endian, &place, depth + 1)?);
         }
     }
     Ok(out)
@@ -234,7 +248,7 @@ fn text(bytes: &mut Bytes) -> Option<String> {
         1 | 2 | 16 => String::from_utf8_lossy(data).into_owned(),
         _ => return None,
     };
-    Some(text.trim().to_owned()).filter(|text| text.chars().any(char::is_alphabetic))
+    Some(text).filter(|text| text.chars().any(char::is_alphabetic))
 }
 
 const NUMERIC: &str = "numbers";
@@ -263,7 +277,7 @@ fn fields(
     let names: Vec<String> = names.chunks_exact(length.max(1)).map(text).collect();
     let mut out = vec![];
     for k in 0..count {
-        let (mut label, mut columns) = (None, vec![]);
+        let (mut label, mut found, mut inside) = (None, vec![], vec![]);
         for field in &names {
             let place = if count == 1 {
                 format!("{name}.{field}")
@@ -273,13 +287,18 @@ fn fields(
             let (kind, data) = element(bytes, "a field")?;
             if kind == MATRIX {
                 let inner = named_matrix(data, bytes.big_endian, &place, depth + 1)?;
-                let Some(inner) = inner else { continue };
+                let Some(mut inner) = inner else { continue };
                 let is_label = LABELS.contains(&field.to_lowercase().as_str());
-                label = label.or(inner.text.filter(|_| is_label));
-                columns.extend(inner.columns.into_iter().map(|c| (place.clone(), field, c)));
+                label = label.or(inner.text.take().filter(|_| is_label));
+                found.push((place, field));
+                inside.push(inner);
             }
         }
-        out.extend(columns.into_iter().map(|(place, field, (name, values))| {
+        listed::name_columns(&mut inside);
+        let columns = found.into_iter().zip(inside).flat_map(|(found, inner)| {
+            inner.columns.into_iter().map(move |column| (found.clone(), column))
+        });
+        out.extend(columns.map(|((place, field), (name, values))| {
             let of_label =
                 label.as_ref().filter(|_| VALUES.contains(&field.to_lowercase().as_str()));
             let index = name.strip_prefix(&place).unwrap_or_default();

@@ -1,6 +1,6 @@
 //! Text on the dead time between input and motion.
 
-use crate::diagnose::{THRESHOLDS, Timing};
+use crate::diagnose::{THRESHOLDS, Timing, Untimed};
 use crate::effects::{self, Change};
 use crate::report::format;
 
@@ -73,6 +73,36 @@ pub fn dead_time(timing: &Timing) -> String {
     value(timing) + &treatment
 }
 
+/// Why no dead time is reported.
+#[must_use]
+pub fn no_dead_time(reason: &Untimed) -> String {
+    match *reason {
+        Untimed::NotSought => "not estimated: the model has a time of its input itself, a recording is read in windows, or \
+                               the torque balance gives no initial parameters"
+            .to_owned(),
+        Untimed::NotExcited => {
+            "not determined: the motion does not excite the parameters of the torque balance".to_owned()
+        }
+        Untimed::NoMinimum => format!(
+            "not determined: no time up to {} ms explains the motion better than the times around it",
+            ms(THRESHOLDS.longest_delay_s)
+        ),
+        Untimed::AboveFloor => format!(
+            "not determined: the error of the model is more than {} times the noise floor, and no time between the ends of \
+             the range (up to {} ms) lowers it most; an effect is missing, which the torque balance may attribute to a dead \
+             time",
+            THRESHOLDS.above_floor,
+            ms(THRESHOLDS.longest_delay_s)
+        ),
+        Untimed::Later { time_s, onset_s } => format!(
+            "not determined: the model would need {} ms, but wheels moved {} ms after a step of the input from rest; an \
+             effect missing from the model may cause the difference",
+            ms(time_s),
+            ms(onset_s)
+        ),
+    }
+}
+
 const UNDETERMINED: &str =
     "not determined by these recordings: starts, stops and reversals of the input would show it";
 const ZERO: &str = ", not significantly different from zero";
@@ -127,6 +157,14 @@ mod tests {
 
     fn of(dead_time_s: f64, correction_s: f64) -> Timing {
         Timing { dead_time_s, std_error_s: 0.0004, correction_s, logging_s: 0.005 }
+    }
+
+    #[test]
+    fn why_there_is_none_is_stated_with_its_numbers() {
+        let later = no_dead_time(&Untimed::Later { time_s: 0.05, onset_s: 0.02 });
+        assert!(later.contains("need 50.0 ms, but wheels moved 20.0 ms after"), "{later}");
+        let above = no_dead_time(&Untimed::AboveFloor);
+        assert!(above.contains("more than 1.5 times the noise floor"), "{above}");
     }
 
     #[test]

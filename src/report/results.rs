@@ -6,7 +6,7 @@ use super::verdict::{evidence, recommendation, sentence};
 use crate::conditioning::Finding;
 use crate::diagnose::Judgement;
 use crate::identify::{Estimate, Status};
-use crate::report::is_determined;
+use crate::report::{is_determined, no_dead_time};
 use crate::study::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
 
 /// Version of the layout of `results.json`.
@@ -69,10 +69,11 @@ fn recordings(study: &Study) -> Vec<Value> {
                 },
                 "conditioning": r.conditioning.iter().map(conditioning).collect::<Vec<_>>(),
                 "findings": sentences(&r.findings),
-                "dead_time_s": study.timing.map(|t| json!({
+                "dead_time_s": study.timing.ok().map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
                     "determined": is_determined(&t),
                 })),
+                "dead_time_unknown": study.timing.err().map(|reason| no_dead_time(&reason)),
             })
         })
         .collect()

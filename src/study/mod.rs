@@ -179,9 +179,9 @@ pub struct Study {
     pub of_paper: bool,
     /// Earlier versions of the model, oldest first, this one last.
     pub versions: Vec<Version>,
-    /// Shift in time between input and motion by the last model, if identifiable. A dead time that logging does not
-    /// explain is a delay in the fits of the methods.
-    pub timing: Option<crate::diagnose::Timing>,
+    /// Shift in time between input and motion by the last model, or why it is not reported. A dead time that logging does
+    /// not explain is a delay in the fits of the methods.
+    pub timing: Result<crate::diagnose::Timing, crate::diagnose::Untimed>,
     /// The same by the model as given, where `timing` is that by the model with the effects found.
     pub timing_as_given: Option<crate::diagnose::Timing>,
     /// True parameters of synthetic data.

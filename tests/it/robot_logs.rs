@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use crate::log_styles::{asked, lines, started};
-use crate::support::{Folder, motion_of};
+use crate::support::{Folder, Row, motion_of};
 
 #[test]
 fn ports_factors_and_ticks_in_headers_are_read() {
@@ -120,4 +120,50 @@ fn the_error_of_short_recordings_is_named_by_their_length() {
     folder.write("run.csv", format!("time,w_right,w_left,torque_right_Nm,torque_left_Nm\n{log}"));
     folder.run(&["run.csv", "--out", "out"]).says(0, &["0.6 s simulation error"]);
     folder.run(&["check", "run.csv"]).says(0, &["as long as its recording, 0.59 s at most"]);
+}
+
+#[test]
+fn the_factor_of_a_command_is_open_unless_its_full_scale_is_shown() {
+    let log = |name: &str, of: &dyn Fn(f64) -> f64, battery: &str| {
+        let cell = if battery.is_empty() { "" } else { ",12000" };
+        let rows = lines(|[t, w1, w2, m1, m2]| {
+            format!("{t:.3},{w1},{w2},{:.0},{:.0}{cell}\n", of(*m1), of(*m2))
+        });
+        format!("t,omega_r,omega_l,{name}_r,{name}_l{battery}\n{rows}")
+    };
+    let part = |m: f64| 500.0 * m;
+    let limited = |m: f64| (3000.0 * m).clamp(-255.0, 255.0);
+    let answers = |scale: &str| [1, 2].map(|k| format!("recordings.columns.M{k}.scale={scale}"));
+    let ask = |log: &str, word: &str, scale: &str| {
+        let answers = answers(scale);
+        asked("run.csv", log, &[word], &answers.each_ref().map(String::as_str));
+    };
+    let of_battery = "which value is the full voltage of `battery_mV` (12.0 to 12.0 V)";
+    ask(&log("pwm", &part, ",battery_mV"), of_battery, "2.5e-6");
+    ask(&log("pwm", &limited, ""), "with scale = 1.0 one volt", "0.047");
+    // a controller limits its output to the end of the scale
+    let shown = log("pwm", &limited, ",battery_mV");
+    started("run.csv", &shown, &["is 255 the full voltage of `battery_mV`"]);
+    started("run.csv", &log("pwm_percent", &|m| 99.0 * m, ",battery_mV"), &["is 100 the full"]);
+}
+
+#[test]
+fn corners_and_paths_of_topics_are_read() {
+    let rows =
+        lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w2},{w2},{w1},{w1},{m2},{m2},{m1},{m1}\n"));
+    let names = ["velocity (rad/s)", "current (A)"]
+        .map(|of| ["LF", "LB", "RF", "RB"].map(|corner| format!("{corner} {of}")).join(","));
+    let words = ["dalpha1  = RF velocity (rad/s)", "`RB current (A)` on the same side: added up"];
+    started("run.csv", &format!("t,{}\n{rows}", names.join(",")), &words);
+    let mut counts = [0.0; 2];
+    let count = |[t, w1, w2, m1, m2]: Row| {
+        counts = [counts[0] + 2.0 * w1, counts[1] + 2.0 * w2];
+        format!("{t:.3},{:.0},{:.0},{m1},{m2}\n", counts[0], counts[1])
+    };
+    let rows: String = motion_of(600).into_iter().map(count).collect();
+    let head = "t,right_wheel_encoder/tick,left_wheel_encoder/tick,tau_right,tau_left";
+    let answers = [1, 2].map(|k| format!("recordings.columns.alpha{k}.per_turn=1257"));
+    let log = format!("{head}\n{rows}");
+    let words = ["alpha1   = right_wheel_encoder/tick"];
+    asked("run.csv", &log, &words, &answers.each_ref().map(String::as_str));
 }

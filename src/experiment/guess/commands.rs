@@ -7,6 +7,7 @@ use super::model_key::effects_of;
 use super::names::named;
 use super::plain_inputs::is_command;
 use super::values::{largest, short, values_of, whole};
+use crate::conditioning::IMPORT;
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;
 
@@ -17,6 +18,8 @@ const PERHAPS: [&str; 3] = ["motor", "mot", "output"];
 const FULL: [f64; 9] = [1.0, 100.0, 127.0, 255.0, 400.0, 1000.0, 1023.0, 4095.0, 32767.0];
 /// Full scale of the PWM that most boards have: 8 bits.
 const PWM: f64 = 255.0;
+/// Full scales that a question lists.
+const POSSIBLE: usize = 4;
 /// Pulse width of a servo, and its neutral value [us].
 const PULSE: (f64, f64, f64) = (900.0, 1500.0, 2100.0);
 /// Smaller values are PWM values rather than voltages in millivolts.
@@ -42,9 +45,14 @@ fn set_neutral(one: &mut Guessed) {
 }
 
 /// Takes inputs as a share of the voltage of a battery column, of which `full` is the whole.
-fn take_share(inputs: &mut [&mut Guessed], column: &PreviewColumn, factor: f64, full: f64) {
+fn take_share(inputs: &mut [&mut Guessed], column: &PreviewColumn, factor: f64, range: &Range) {
+    let full = range.full;
     for one in inputs {
         one.times = Some(column.name.clone());
+        if !range.is_shown {
+            one.scale_open = true;
+            continue;
+        }
         one.scale = Some(factor / full).filter(|f| *f != 1.0);
         // what is added stands behind the factor
         one.offset = one.offset.map(|offset| offset * factor / full);
@@ -85,7 +93,7 @@ pub(super) fn apply(
     let name = inputs[0].name.clone();
     let volts = battery.and_then(|(column, unit)| Some((column, to_volts(column, unit)?)));
     let asked = if let Some((column, factor)) = volts.filter(|_| !range.is_pulse) {
-        take_share(&mut inputs, column, factor, range.full);
+        take_share(&mut inputs, column, factor, &range);
         range.question_of_battery(&name, column, factor)
     } else if range.rest.is_none()
         && is_volt_sized(range.top, &name, inputs.iter().map(|one| of(&one.name)))
@@ -95,6 +103,7 @@ pub(super) fn apply(
             range.reaches()
         )
     } else {
+        inputs.iter_mut().for_each(|one| one.scale_open = true);
         range.question_of_scale(&name)
     };
     guess.ask(asked);
@@ -121,6 +130,8 @@ struct Range {
     top: f64,
     /// Deviation for the full voltage.
     full: f64,
+    /// Whether name or values show this, and the usual scales of controllers do not only allow it.
+    is_shown: bool,
 }
 
 impl Range {
@@ -131,15 +142,24 @@ impl Range {
         if is_pulse {
             inputs.iter_mut().for_each(|one| set_neutral(one));
             let top = PULSE.1 - 1000.0;
-            return Self { is_pulse, rest: Some(PULSE.1), top, full: top };
+            return Self { is_pulse, rest: Some(PULSE.1), top, full: top, is_shown: true };
         }
         if let Some(centre) = centred::centre(columns, inputs) {
             centred::shift(inputs, centre);
-            return Self { is_pulse, rest: Some(centre), top: centre, full: centre };
+            return Self {
+                is_pulse,
+                rest: Some(centre),
+                top: centre,
+                full: centre,
+                is_shown: true,
+            };
         }
         let top = inputs.iter().map(|one| largest(of(&one.name))).fold(0.0, f64::max);
         let full = full_scale(top, &inputs[0].name);
-        Self { is_pulse, rest: None, top, full }
+        // values reach the end of a scale where the controller limits them to it
+        let is_shown =
+            full <= 1.0 || says_percent(&inputs[0].name) || top >= (1.0 - IMPORT.full_scale) * full;
+        Self { is_pulse, rest: None, top, full, is_shown }
     }
 
     /// Its largest deviation as it is printed.
@@ -150,6 +170,19 @@ impl Range {
 
     /// The question whether the full scale that is assumed is the voltage of the battery in `column`.
     fn question_of_battery(&self, name: &str, column: &PreviewColumn, factor: f64) -> String {
+        if !self.is_shown {
+            let possible = FULL.iter().filter(|full| **full >= self.top).take(POSSIBLE);
+            let possible: Vec<String> =
+                possible.map(|full| format!("{:.3e} for {full}", factor / full)).collect();
+            return format!(
+                "`{name}` reaches {}: which value is the full voltage of `{}` ({})? Write {factor} divided by it as scale in \
+                 M1 and M2, for example {}",
+                self.reaches(),
+                column.name,
+                volts_of(column, factor),
+                possible.join(", ")
+            );
+        }
         format!(
             "`{name}` reaches {}: is {} the full voltage of `{}` ({})? Otherwise write another scale in M1 and M2",
             self.reaches(),
@@ -169,7 +202,7 @@ impl Range {
         };
         format!(
             "`{name}` is a share of the battery voltage{reaches}: with {} for the full 12 V write \
-             scale = {volts:.5}{offset} in M1 and M2; otherwise one volt of the results is one unit of the command",
+             scale = {volts:.5}{offset} in M1 and M2; with scale = 1.0 one volt of the results is one unit of the command",
             self.full
         )
     }
@@ -251,18 +284,23 @@ pub(super) fn is_percent(name: &str) -> bool {
     ["percent", "pct"].iter().any(|word| name.contains(word))
 }
 
+/// Whether a name states percent.
+fn says_percent(name: &str) -> bool {
+    is_percent(&name.to_lowercase()) || name.contains('%')
+}
+
 /// The smallest full scale of controllers that contains the value; for PWM that of most boards.
 fn full_scale(top: f64, name: &str) -> f64 {
     let lower = name.to_lowercase();
     // no robot moves by one percent: up to one, a share is named so
-    if (is_percent(&lower) || name.contains('%')) && top > 1.0 && top <= 100.0 {
+    if says_percent(name) && top > 1.0 && top <= 100.0 {
         return 100.0;
     }
     let is_pwm = lower.contains("pwm") && top > 1.0;
     if (is_pwm || is_command(&named(name))) && top <= PWM {
         return PWM;
     }
-    FULL.into_iter().find(|full| top <= 1.001 * full).unwrap_or(top)
+    FULL.into_iter().find(|full| top <= (1.0 + IMPORT.full_scale) * full).unwrap_or(top)
 }
 
 /// The range of a battery in words.

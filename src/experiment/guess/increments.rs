@@ -15,6 +15,8 @@ const DIFFERENCES: [&str; 7] =
 /// Words of counts, also behind a `d`: `dEncL`, `dticks_l`.
 const COUNTS: [&str; 9] =
     ["ticks", "tick", "counts", "count", "cnt", "enc", "encoder", "pulses", "pulse"];
+/// Those of them that are units, in front of a stroke.
+const UNITS_OF_COUNTS: [&str; 7] = ["ticks", "tick", "counts", "count", "cnt", "pulses", "pulse"];
 /// Words of the interval in which the rows of a log are taken.
 const ROWS: [&str; 8] = ["row", "loop", "sample", "cycle", "step", "frame", "interval", "tick"];
 /// Unit of counts in a time.
@@ -55,7 +57,7 @@ pub(super) fn by_name(all: &mut [Candidate]) {
 
 /// The interval of a name of increments.
 fn interval(name: &str) -> Option<Interval> {
-    let words = words(&name.replace('/', " per "));
+    let words = words(&per_written_out(name));
     let is_count = |word: &str| COUNTS.contains(&word);
     if !words.iter().any(|w| is_count(w) || w.strip_prefix('d').is_some_and(is_count)) {
         return None;
@@ -81,6 +83,19 @@ fn interval(name: &str) -> Option<Interval> {
         || words.iter().any(|w| w.strip_prefix('d').is_some_and(is_count));
     let is_one = is_behind_d || words.iter().any(|w| DIFFERENCES.contains(&w.as_str()));
     is_one.then_some(Interval::Row)
+}
+
+/// A name with the stroke behind a unit of counts as a word; any other one separates the parts of a path, as in
+/// `left_wheel_encoder/tick`.
+fn per_written_out(name: &str) -> String {
+    let mut parts = name.split('/');
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let is_unit = words(&out).last().is_some_and(|w| UNITS_OF_COUNTS.contains(&w.as_str()));
+        out.push_str(if is_unit { " per " } else { " " });
+        out.push_str(part);
+    }
+    out
 }
 
 /// Rows whose mean is one value of the comparison with the input: counts are coarse.
@@ -282,7 +297,14 @@ mod tests {
             assert_eq!(found.name, names[0]);
             assert_eq!((found.unit.as_deref(), found.scale), (Some(UNIT), Some(scale)));
         }
-        for name in ["ticks_per_s_l", "counts_per_turn", "enc_l", "enc_vel_L", "d_angle_l"] {
+        for name in [
+            "ticks_per_s_l",
+            "counts_per_turn",
+            "enc_l",
+            "enc_vel_L",
+            "d_angle_l",
+            "left_encoder/tick",
+        ] {
             assert_eq!(interval(name), None, "{name}");
         }
     }

@@ -171,12 +171,19 @@ fn take_side(words: &mut Vec<String>) -> Option<Side> {
     if let Some(k) = clear.or_else(|| words.iter().position(|w| side(w).is_some())) {
         return side(&words.remove(k));
     }
-    // the corners of a car: RL, FR
-    let corner = |w: &String| matches!(w.as_str(), "fl" | "fr" | "rl" | "rr");
-    if let Some(k) = words.iter().position(corner) {
-        let word = words[k].clone();
-        words[k] = if word.starts_with('f') { "front" } else { "rear" }.into();
-        return side(&word[1..]);
+    // the corners of a car: RL, FR; with the side first: LF, RB
+    let corner = |w: &String| match w.as_str() {
+        "fl" | "fr" => Some(("front", w[1..].to_owned())),
+        "rl" | "rr" => Some(("rear", w[1..].to_owned())),
+        "lf" | "rf" => Some(("front", w[..1].to_owned())),
+        "lb" | "rb" => Some(("back", w[..1].to_owned())),
+        _ => None,
+    };
+    if let Some((k, (place, of))) =
+        words.iter().enumerate().find_map(|(k, word)| Some((k, corner(word)?)))
+    {
+        words[k] = place.into();
+        return side(&of);
     }
     // before a quantity: `rspeed`, `leftvel`
     let before = |w: &String| {
@@ -294,6 +301,8 @@ mod tests {
             ("motL", Some(Voltage), Some(Left), None),
             ("taur", Some(Torque), Some(Right), None),
             ("Wheel Speed RL [rpm]", Some(Speed), Some(Left), Some("rpm")),
+            ("LB velocity (rpm)", Some(Speed), Some(Left), Some("rpm")),
+            ("motor_rf_mA", Some(Current), Some(Right), Some("mA")),
             ("battery_voltage_mV", None, None, Some("mV")),
             ("torque_right [oz-in]", Some(Torque), Some(Right), Some("oz in")),
             ("torque_left (kgf.cm)", Some(Torque), Some(Left), Some("kgf cm")),

@@ -176,3 +176,41 @@ fn the_text_of_a_signal_is_the_name_of_its_values() {
     let other = signals(["values", "title"], ["right", "left"]);
     assert_eq!(other[0].0, "s(1).values");
 }
+
+#[test]
+fn a_list_of_texts_beside_a_matrix_names_its_columns() {
+    let doubles = |values: &[f64]| {
+        of_type(9, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>())
+    };
+    let text = |size: [u32; 2], text: &str| {
+        let letters: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        variable(4, size, "", &[of_type(4, &letters)])
+    };
+    let cell = |name: &str, texts: &[&str]| {
+        let cells: Vec<Vec<u8>> = texts.iter().map(|t| text([1, t.len() as u32], t)).collect();
+        variable(1, [1, texts.len() as u32], name, &cells)
+    };
+    let matrix =
+        |name: &str| variable(6, [3, 2], name, &[doubles(&[0.0, 0.1, 0.2, 1.0, 2.0, 3.0])]);
+    let of = |variables: &[Vec<u8>]| {
+        let mut all = vec![b' '; 124];
+        all.extend([0, 1, b'I', b'M']);
+        variables.iter().for_each(|v| all.extend(v));
+        let names = columns(&all, false).into_iter().map(|(name, _)| name);
+        names.collect::<Vec<_>>()
+    };
+    let names = || cell("names", &["time", "right speed"]);
+    assert_eq!(of(&[matrix("data"), names()]), ["time", "right speed"]);
+    let other = cell("authors", &["A", "B"]);
+    assert_eq!(of(&[matrix("data"), names(), other]), ["data(:,1)", "data(:,2)"]);
+    let units = cell("units", &["rad", "rad"]);
+    assert_eq!(of(&[matrix("data"), names(), units]), ["time [rad]", "right speed [rad]"]);
+    // rows of letters of equal length, stored column after column
+    let rows = variable(4, [2, 2], "labels", &[of_type(4, &[b't', 0, b'w', 0, b' ', 0, b'r', 0])]);
+    assert_eq!(of(&[matrix("data"), rows]), ["t", "wr"]);
+    // whose names they are is open
+    let open = ["a(:,1)", "a(:,2)", "b(:,1)", "b(:,2)"];
+    assert_eq!(of(&[matrix("a"), matrix("b"), names()]), open);
+    let three = cell("names", &["time", "right", "left"]);
+    assert_eq!(of(&[matrix("a"), three]), ["a(:,1)", "a(:,2)"]);
+}

@@ -1,11 +1,13 @@
 //! The recordings, their noise, and the findings on them.
 
 use super::{Depth, Section, listed, words};
-use crate::diagnose::Timing;
+use crate::diagnose::{Timing, Untimed};
 use crate::identify::Note;
 use crate::report::block::{Block, Cell, Column, Table, Text};
 use crate::report::verdict::shifts_input;
-use crate::report::{dead_time, dead_time_advice, dead_time_name, dead_time_with, format};
+use crate::report::{
+    dead_time, dead_time_advice, dead_time_name, dead_time_with, format, no_dead_time,
+};
 use crate::study::{RecordingStudy, Study};
 
 /// The recordings, with findings of conditioning and quality check.
@@ -55,7 +57,7 @@ impl Section for Recordings {
             listed::left_out(study).into_iter().map(Block::paragraph).collect();
         blocks.push(table.into());
         blocks.extend(conditioning(study, &shown));
-        blocks.extend(study.timing.map(|timing| Block::paragraph(timed(study, &timing))));
+        blocks.extend(time_of_input(study).map(Block::paragraph));
         let groups = study.findings();
         let remarks = groups.len();
         let findings: Vec<Text> = groups
@@ -125,6 +127,15 @@ fn row(r: &RecordingStudy) -> Vec<Cell> {
             ""
         }),
     ]
+}
+
+/// The time between input and motion, or why it is not known; none if it was not estimated.
+fn time_of_input(study: &Study) -> Option<String> {
+    match &study.timing {
+        Ok(timing) => Some(timed(study, timing)),
+        Err(Untimed::NotSought) => None,
+        Err(reason) => Some(format!("Dead time: {}.", no_dead_time(reason))),
+    }
 }
 
 /// The time between input and motion, by the last model.

@@ -227,7 +227,7 @@ fn failures(study: &Study) -> Option<(String, String)> {
 
 /// An input delay that was found without a diagnosis.
 fn late_input(study: &Study) -> Option<(String, String)> {
-    let timing = study.timing.filter(|t| study.diagnosis.is_none() && t.is_late())?;
+    let timing = study.timing.ok().filter(|t| study.diagnosis.is_none() && t.is_late())?;
     let sentence = format!(
         "The motion starts {} ms after the recorded input, later than logging explains; the fit \
          represents it as an input delay.",

@@ -151,7 +151,7 @@ pub(super) fn fitted(study: &Study) -> String {
 
 /// Whether the methods fit a delay that the model of the file does not have.
 pub(super) fn has_fitted_delay(study: &Study) -> bool {
-    study.timing.is_some_and(|timing| timing.is_late())
+    study.timing.is_ok_and(|timing| timing.is_late())
 }
 
 fn with_delay(delay: bool) -> &'static str {

@@ -175,10 +175,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             one(rows, "row")
         ),
         Kind::OneSampleARow { half_row_s } => format!(
-            "{name} acts half a row late or is held, as an input that changes at the rows; its course between them is not \
-             recorded. A current that the drive regulates is constant there; that of a motor under a constant voltage \
-             falls as the motor gains speed, and a1 and a2 are then too large by the share of {} in the mechanical time \
-             constant of the motor, which their intervals do not contain (record the voltages, or more rows)",
+            "{name} acts half a row late or is held. If it is read half a row before the sensors, its time is known and \
+             nothing is lost. If it changes at the rows, its course between them is not recorded: a current that the drive \
+             regulates is constant there; that of a motor under a constant voltage falls as the motor gains speed, and a1 \
+             and a2 are then too large by the share of {} in the mechanical time constant of the motor, which their intervals \
+             do not contain (record the voltages, or more rows)",
             ms(half_row_s)
         ),
         Kind::HeldInput => format!(

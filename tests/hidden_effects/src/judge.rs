@@ -199,7 +199,7 @@ fn describe(out: &mut Outcome, study: &Study, scenario: &Scenario) {
         let (value, std_error) = (e.value, e.std_error);
         out.estimates.push(Covered { symbol: symbol.into(), truth, value, std_error, covered });
     }
-    out.dead_time_s = study.timing.map(|t| t.dead_time_s);
+    out.dead_time_s = study.timing.ok().map(|t| t.dead_time_s);
     let findings = study.recordings.iter().flat_map(|r| r.conditioning.iter());
     out.conditioning = findings.filter(|f| f.is_remarkable()).map(ToString::to_string).collect();
     out.conditioning.sort();

@@ -71,7 +71,7 @@ fn method(name: &str) -> MethodStudy {
 
 pub(in crate::report::section) fn empty() -> Study {
     Study {
-        timing: None,
+        timing: Err(crate::diagnose::Untimed::default()),
         timing_as_given: None,
         experiment: "bare".to_owned(),
         invocation: Invocation { file: "runs/bare.toml".to_owned(), ..Invocation::default() },
