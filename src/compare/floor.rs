@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::runs::{Reach, Runs};
+use super::runs::{Apart, Reach, Runs};
 use crate::recording::Recording;
 use crate::simulate::{BETWEEN_ROWS, Dynamics, Hold, SimulateError};
 
@@ -73,7 +73,7 @@ pub fn noise_floor(
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
-    floor(&Runs::new(dynamics, recording, hold, Reach::FreeAndWindows)?, seed)
+    floor(&Runs::with_every_other_row(dynamics, recording, hold, Reach::FreeAndWindows)?, seed)
 }
 
 /// [`noise_floor`] over windows alone, with half as many simulations; `ise` is not computed (NaN).
@@ -86,17 +86,17 @@ pub fn window_floor(
     hold: Hold,
     seed: u64,
 ) -> Result<Floor, SimulateError> {
-    let floor = floor(&Runs::new(dynamics, recording, hold, Reach::Windows)?, seed)?;
+    let runs = Runs::with_every_other_row(dynamics, recording, hold, Reach::Windows)?;
+    let floor = floor(&runs, seed)?;
     Ok(Floor { ise: [f64::NAN; 2], ..floor })
 }
 
-/// [`noise_floor`] from the simulations of `runs`.
-fn floor(runs: &Runs, seed: u64) -> Result<Floor, SimulateError> {
+/// [`noise_floor`] from simulations and the effect of every other row of the input.
+fn floor((runs, half): &(Runs, Apart), seed: u64) -> Result<Floor, SimulateError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let recording = runs.recording;
     let jumps = runs.by_input_jumps(&mut rng)?;
     let start = runs.by_start_noise(&mut rng)?;
-    let half = runs.by_every_other_row()?;
     let slow = runs.by_slow_input_noise(&mut rng)?;
     let noise = recording.noise_of_jumps().powi(2);
     let share = noise + STEPS * (1.0 - noise);
@@ -129,8 +129,7 @@ pub fn unresolved(
     hold: Hold,
 ) -> Result<f64, SimulateError> {
     let square = |recording: &Recording| {
-        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
-        Ok(runs.by_every_other_row()?.square)
+        Ok(Runs::with_every_other_row(dynamics, recording, hold, Reach::Windows)?.1.square)
     };
     Ok(pooled(recordings, square)? * BETWEEN_ROWS)
 }
@@ -171,8 +170,7 @@ pub fn pooled_floor(
     seed: u64,
 ) -> Result<WindowFloor, SimulateError> {
     let one = |recording: &Recording| {
-        let runs = Runs::new(dynamics, recording, hold, Reach::Windows)?;
-        floor(&runs, seed)
+        floor(&Runs::with_every_other_row(dynamics, recording, hold, Reach::Windows)?, seed)
     };
     let floors: Vec<Floor> =
         recordings.par_iter().map(one).collect::<Result<_, SimulateError>>()?;

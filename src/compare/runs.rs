@@ -64,12 +64,42 @@ impl<'a> Runs<'a> {
         hold: Hold,
         reach: Reach,
     ) -> Result<Self, SimulateError> {
+        Ok(Self::with_inputs(dynamics, recording, hold, reach, &[recording.torque().to_vec()])?.0)
+    }
+
+    /// The same, with the mean over both ways of omitting every other row of the input: the effect of the unknown input
+    /// between the rows; zero for a held input.
+    pub(super) fn with_every_other_row(
+        dynamics: &'a dyn Dynamics,
+        recording: &'a Recording,
+        hold: Hold,
+        reach: Reach,
+    ) -> Result<(Self, Apart), SimulateError> {
+        let recorded = recording.torque();
+        if hold == Hold::Constant {
+            return Ok((Self::new(dynamics, recording, hold, reach)?, Apart::default()));
+        }
+        let [even, odd] = [0, 1].map(|phase| every_other(recording, recorded, phase));
+        let inputs = [recorded.to_vec(), even, odd];
+        let (runs, halves) = Self::with_inputs(dynamics, recording, hold, reach, &inputs)?;
+        let apart = runs.mean(&halves);
+        Ok((runs, apart))
+    }
+
+    /// Runs with the first of several inputs, which is the recorded one, and those with the others.
+    fn with_inputs(
+        dynamics: &'a dyn Dynamics,
+        recording: &'a Recording,
+        hold: Hold,
+        reach: Reach,
+        inputs: &[Vec<[f64; 2]>],
+    ) -> Result<(Self, Vec<Run>), SimulateError> {
         let whole = recording.pieces().iter();
         let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
         let mut runs = Self { dynamics, recording, hold, reach, short, plain: Run::default() };
-        let recorded = [recording.torque().to_vec()];
-        runs.plain = runs.all(&recorded, vec![runs.starts(None)])?.remove(0);
-        Ok(runs)
+        let mut all = runs.all(inputs, vec![runs.starts(None)])?;
+        runs.plain = all.remove(0);
+        Ok((runs, all))
     }
 
     /// Initial states, with a realisation of the noise of the speeds if `rng` is given; those of the windows are the
@@ -164,16 +194,6 @@ impl<'a> Runs<'a> {
     pub(super) fn by_start_noise(&self, rng: &mut ChaCha8Rng) -> Result<Apart, SimulateError> {
         let starts = (0..DRAWS).map(|_| self.starts(Some(&mut *rng))).collect();
         Ok(self.mean(&self.all(&[self.recording.torque().to_vec()], starts)?))
-    }
-
-    /// The mean over both ways of omitting every other row of the input: the effect of the unknown input
-    /// between the rows; zero for a held input.
-    pub(super) fn by_every_other_row(&self) -> Result<Apart, SimulateError> {
-        if self.hold == Hold::Constant {
-            return Ok(Apart::default());
-        }
-        let halved = |phase| every_other(self.recording, self.recording.torque(), phase);
-        self.by_inputs((0..2).map(halved))
     }
 
     /// The mean over several inputs.

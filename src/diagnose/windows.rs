@@ -7,6 +7,7 @@ mod compared;
 mod errors;
 mod growing;
 mod linear;
+mod several;
 mod sums;
 mod window;
 
@@ -108,13 +109,15 @@ impl<'a> Windows<'a> {
     /// d: change by every other row, m: median error of all windows, σ_r: noise of the recording, σ: mean noise.
     #[must_use]
     pub fn sampled(mut self, model: &Model, p: &[f64]) -> Self {
-        let Some(whole) = self.errors(model, p) else { return self };
+        let (whole, halves) = if self.hold == Hold::Constant {
+            let Some(whole) = self.errors(model, p) else { return self };
+            (whole, vec![])
+        } else {
+            let Some([whole, even, odd]) = self.errors_by_halves(model, p) else { return self };
+            (whole, vec![even, odd])
+        };
         let mut changed = vec![[0.0; 2]; self.windows.len()];
-        let phases = if self.hold == Hold::Constant { 0..0 } else { 0..2 };
-        for phase in phases {
-            let halved = self.halved(phase);
-            let windows = self.with_recordings(halved.iter().collect());
-            let Some(errors) = windows.errors(model, p) else { return self };
+        for errors in halves {
             for ((sum, a), b) in changed.iter_mut().zip(&errors).zip(&whole) {
                 let square = b.apart(a);
                 *sum = [0, 1].map(|i| sum[i] + 0.5 * BETWEEN_ROWS.powi(2) * square[i]);

@@ -7,7 +7,8 @@ mod realisations;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
-use self::base_model::{Batch, Part, has_lanes, stored};
+pub(crate) use self::base_model::has_lanes;
+use self::base_model::{Batch, Part, stored};
 pub(crate) use self::realisations::{Realisation, Speeds, speeds_of_realisations};
 use super::input_line::InputLine;
 use super::stepper::{edge, pieces_between};

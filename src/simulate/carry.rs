@@ -37,11 +37,11 @@ impl Node {
     /// Adds the accelerations by derivatives of the input at a share of the sample; `inverse` is that of the mass
     /// matrix.
     #[inline(always)]
-    fn add_input(&mut self, (input, inverse): (&[InputSlope], [f64; 3]), share: f64) {
+    fn add_input(&mut self, (input, inverse): (&[InputSlope], &[f64; 3]), share: f64) {
         for (j, [start, end]) in input {
             let torque =
                 [start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])];
-            let a = times(&inverse, &torque);
+            let a = times(inverse, &torque);
             let [first, second] = &mut self.forcing[j / LANES];
             first[j % LANES] += a[0];
             second[j % LANES] += a[1];
@@ -81,45 +81,48 @@ pub(super) struct Turn<'a>(pub(super) Carry<'a>);
 pub(super) type Solved = (Quantities, f64);
 
 /// The same as [`Carry`] after the nodes of sliding wheels are solved: at the start, unless its node is known, in the
-/// middle and at the end.
-pub(super) struct Slide<'a> {
-    pub(super) forcing: &'a Forcing,
-    pub(super) start: Option<Solved>,
-    pub(super) later: [Solved; 2],
+/// middle and at the end. Everything is borrowed: a register that is loaded for a copy from numbers just stored one by
+/// one waits until they are in memory.
+pub(super) struct Slide<'a, 'b> {
+    pub(super) forcing: &'b Forcing,
+    pub(super) start: Option<&'b Solved>,
+    pub(super) later: &'b [Solved; 2],
     /// Derivatives of the input with respect to parameters at both ends of the sample, and the inverse of the
     /// mass matrix.
-    pub(super) input: (&'a [InputSlope], [f64; 3]),
-    pub(super) carry: Carry<'a>,
+    pub(super) input: (&'b [InputSlope], &'b [f64; 3]),
+    pub(super) carry: &'b mut Carry<'a>,
 }
 
-impl WithSimd for Slide<'_> {
+impl WithSimd for &mut Slide<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { forcing, start, later, input, mut carry } = self;
+        let Slide { forcing, start, later, input, carry } = self;
         let columns = carry.columns;
         let [first, middle, end] = &mut carry.nodes;
-        if let Some((quantities, share)) = &start {
+        if let Some((quantities, share)) = start {
             forcing.write(simd, [quantities], columns, [&mut first.forcing]);
-            first.add_input(input, *share);
+            first.add_input(*input, *share);
         }
-        let [at_middle, at_end] = &later;
+        let [at_middle, at_end] = later;
         let out = [&mut middle.forcing[..], &mut end.forcing[..]];
         forcing.write(simd, [&at_middle.0, &at_end.0], columns, out);
-        middle.add_input(input, at_middle.1);
-        end.add_input(input, at_end.1);
+        middle.add_input(*input, at_middle.1);
+        end.add_input(*input, at_end.1);
         carry.with_simd(simd);
     }
 }
 
-impl WithSimd for Carry<'_> {
+impl WithSimd for &mut Carry<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let [start, middle, end] = self.nodes;
-        let [a1, a2, w1, w2] = self.rows;
+        let [start, middle, end] = &self.nodes;
+        let (start, middle, end): (&Node, &Node, &Node) = (start, middle, end);
+        let [a1, a2, w1, w2] = &mut self.rows;
+        let (a1, a2, w1, w2) = (&mut a1[..], &mut a2[..], &mut w1[..], &mut w2[..]);
         for c in (0..self.columns).step_by(Lanes::<S>::COUNT) {
             let place = (c / LANES, c % LANES);
             let angles = [Lanes::load(simd, &a1[c..]), Lanes::load(simd, &a2[c..])];
@@ -133,7 +136,7 @@ impl WithSimd for Carry<'_> {
                 // a function without a closure, which would not be compiled for wide registers
                 #[inline(always)]
                 |c, _, w| {
-                    let node = if c < 1.0 { &*middle } else { &*end };
+                    let node = if c < 1.0 { middle } else { end };
                     Ok::<_, Infallible>(node.rate(simd, place, w))
                 },
             );

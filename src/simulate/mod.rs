@@ -26,7 +26,7 @@ mod variation;
 mod walk;
 
 pub use batch::ise_of_many;
-pub(crate) use batch::{Realisation, Speeds, speeds_of_realisations};
+pub(crate) use batch::{Realisation, Speeds, has_lanes, speeds_of_realisations};
 pub use dynamics::{Dynamics, PhysicalDynamics};
 pub use emulator::{Gain, GainError, emulate};
 pub(crate) use forcing::LANES;

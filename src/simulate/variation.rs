@@ -193,13 +193,10 @@ impl Variation {
         let later = [solve(1, t, in_middle), solve(2, to, at_end)];
         nodes[2].place = (at_end.1, sign);
         (self.at_end, self.joined, self.start) = (Some((to, *end)), true, 2 - self.start);
-        in_lanes(Slide {
-            forcing: &*forcing,
-            start,
-            later,
-            input: (&self.input, f.inverse.unwrap_or([0.0; 3])),
-            carry: Carry { nodes, rows: rows(&mut self.values), h, columns: self.moving },
-        });
+        let (rows, columns) = (rows(&mut self.values), self.moving);
+        let carry = &mut Carry { nodes, rows, h, columns };
+        let input = (&self.input[..], f.inverse.as_ref().unwrap_or(&[0.0; 3]));
+        in_lanes(&mut Slide { forcing, start: start.as_ref(), later: &later, input, carry });
     }
 
     /// Runge-Kutta 4 over a step of `h` with the nodes.
@@ -213,7 +210,7 @@ impl Variation {
         if turning {
             in_lanes(Turn(Carry { nodes, rows, h, columns: self.turning }));
         } else {
-            in_lanes(Carry { nodes, rows, h, columns: self.moving });
+            in_lanes(&mut Carry { nodes, rows, h, columns: self.moving });
         }
     }
 

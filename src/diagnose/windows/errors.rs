@@ -7,6 +7,7 @@ use super::compared::Compared;
 use super::sums::{Start, TINY};
 use super::window::Window;
 use crate::model::Model;
+use crate::recording::Recording;
 use crate::robot::State;
 use crate::simulate::{Input, simulate_windows};
 
@@ -22,6 +23,20 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// Those of a window from its simulated states; `None` if one is not finite.
+    pub(super) fn of(recording: &Recording, window: &Window, states: &[State]) -> Option<Self> {
+        let (mut rows, mut compared) = (Compared::new(recording, window), 0);
+        let error = |(k, state): (usize, &State)| {
+            let row = rows.row(k, state);
+            compared += usize::from(row.mean_over.is_none_or(f64::is_finite));
+            row.error
+        };
+        let error: Vec<[f64; 2]> = states.iter().enumerate().map(error).collect();
+        let moving = [0, 1].map(|i| rows_until_rest(states, i));
+        let finite = error.iter().flatten().all(|e| e.is_finite());
+        finite.then_some(Self { error, compared, moving })
+    }
+
     /// Mean square difference of the simulated speeds of two models, by wheel [rad^2/s^2].
     pub(super) fn apart(&self, other: &Self) -> [f64; 2] {
         let pairs = self.error.iter().zip(&other.error);
@@ -77,18 +92,7 @@ impl Windows<'_> {
         let input = Input { t: recording.t(), torque: acting, hold: self.hold };
         let windows: Vec<_> = group.iter().map(|w| (w.rows.clone(), w.start)).collect();
         let states = simulate_windows(model, p, &input, input.t[0], &windows).ok()?;
-        let one = |(window, states): (&Window, &Vec<State>)| {
-            let (mut rows, mut compared) = (Compared::new(recording, window), 0);
-            let error = |(k, state): (usize, &State)| {
-                let row = rows.row(k, state);
-                compared += usize::from(row.mean_over.is_none_or(f64::is_finite));
-                row.error
-            };
-            let error: Vec<[f64; 2]> = states.iter().enumerate().map(error).collect();
-            let moving = [0, 1].map(|i| rows_until_rest(states, i));
-            let finite = error.iter().flatten().all(|e| e.is_finite());
-            finite.then_some(Errors { error, compared, moving })
-        };
+        let one = |(window, states): (&Window, &Vec<State>)| Errors::of(recording, window, states);
         group.iter().zip(&states).map(one).collect()
     }
 
@@ -135,11 +139,9 @@ impl Windows<'_> {
     /// n values, whose sum of squares scatters by √(2 n). A controller that answers to each row, even to noise, makes the
     /// input jump from row to row: the other rows then tell nothing about those that are omitted.
     pub(in crate::diagnose) fn allowed_sampling(&self, model: &Model, p: &[f64]) -> Option<f64> {
-        let whole = self.errors(model, p)?;
+        let [whole, even, odd] = self.errors_by_halves(model, p)?;
         let (mut predicted, mut count) = (0.0, 0.0);
-        for phase in 0..2 {
-            let recordings = self.halved(phase);
-            let errors = self.with_recordings(recordings.iter().collect()).errors(model, p)?;
+        for errors in [even, odd] {
             for ((window, a), b) in self.windows.iter().zip(&whole).zip(&errors) {
                 let (apart, values) = self.apart(window, a, b);
                 predicted += 0.5 * apart;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::errors::Errors;
+use super::several::errors_of_several;
 use super::window::Window;
 use super::{Windows, rounding};
 use crate::diagnose::thresholds::THRESHOLDS;
@@ -24,15 +25,16 @@ impl Windows<'_> {
     /// of its start end.
     #[must_use]
     pub(super) fn growing(mut self, model: &Model, p: &[f64]) -> Self {
-        let Some(whole) = self.errors(model, p) else { return self };
-        let moved = [0, 1].map(|i| {
-            let mut other = self.clone();
-            for window in &mut other.windows {
+        let [right, left] = [0, 1].map(|i| {
+            let mut moved = self.clone();
+            for window in &mut moved.windows {
                 window.start.omega[i] += self.step_of_start(window, i);
             }
-            other.errors(model, p)
+            moved
         });
-        let [Some(right), Some(left)] = moved else { return self };
+        let Some([whole, right, left]) = errors_of_several([&self, &right, &left], model, p) else {
+            return self;
+        };
         let responses: Vec<Option<Responses>> = (0..self.windows.len())
             .map(|n| {
                 let window = &self.windows[n];

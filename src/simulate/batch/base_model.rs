@@ -15,7 +15,7 @@ use crate::robot::{BaseParameters, State, centrifugal_torques};
 pub(super) const LARGEST: usize = 8;
 
 /// Whether a model is simulated in lanes: the base model, where the registers are wide.
-pub(super) fn has_lanes(model: &Model) -> bool {
+pub(crate) fn has_lanes(model: &Model) -> bool {
     are_wide() && model.effects().iter().map(|effect| effect.id()).eq(BASE)
 }
 
