@@ -253,18 +253,24 @@ mod tests {
         assert!(read.findings.is_empty());
     }
 
-    #[test]
-    fn a_late_stamp_is_no_lost_row() {
-        // delays with exponential tails, a fifth of a row on average; none of the rows is lost
+    /// Rows sampled every 10 ms, none of which is lost, delivered in order with delays of exponential tails and this mean
+    /// \[s\]; and the times at which they were sampled.
+    fn delivered(mean_s: f64) -> (Conditioned, Vec<f64>) {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let (mut late, mut last) = (work(0.0, 0.0, 1e-3), 0.0);
         let even: Vec<f64> = (0..late.channels.t.len()).map(|k| 0.01 * k as f64).collect();
         let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
         late.channels.alpha = Some(even.iter().map(|t| motion(*t)).collect());
         for (stamp, t) in late.channels.t.iter_mut().zip(&even) {
-            last = (t - 0.002 * (1.0 - rng.random::<f64>()).ln()).max(last + 1e-5);
+            last = (t - mean_s * (1.0 - rng.random::<f64>()).ln()).max(last + 1e-5);
             *stamp = last;
         }
+        (late, even)
+    }
+
+    #[test]
+    fn a_late_stamp_is_no_lost_row() {
+        let (mut late, even) = delivered(0.002);
         even_times(&mut late, &Settings::default(), &Context::default());
         assert!(matches!(late.findings[..], [Finding { kind: Kind::Jitter { .. }, .. }]));
         // late by 2 ms on average; the ends of a line through a hundred stamps that scatter by as much
@@ -275,16 +281,7 @@ mod tests {
 
     #[test]
     fn rows_whose_stamps_reach_the_next_rows_are_counted() {
-        // delays with exponential tails of half a row on average, delivered in order
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        let (mut late, mut last) = (work(0.0, 0.0, 1e-3), 0.0);
-        let even: Vec<f64> = (0..late.channels.t.len()).map(|k| 0.01 * k as f64).collect();
-        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
-        late.channels.alpha = Some(even.iter().map(|t| motion(*t)).collect());
-        for (stamp, t) in late.channels.t.iter_mut().zip(&even) {
-            last = (t - 0.005 * (1.0 - rng.random::<f64>()).ln()).max(last + 8e-5);
-            *stamp = last;
-        }
+        let (mut late, even) = delivered(0.005);
         even_times(&mut late, &Settings::default(), &Context::default());
         assert!(
             matches!(late.findings[..], [Finding { kind: Kind::Jitter { share }, .. }] if share > 0.4)

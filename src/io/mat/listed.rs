@@ -45,7 +45,7 @@ pub(super) fn texts(cells: &[Variable]) -> Vec<String> {
 /// The rows of a character array, which is stored column after column.
 pub(super) fn rows(all: &str, rows: usize) -> Vec<String> {
     let letters: Vec<char> = all.chars().collect();
-    if rows < 2 || letters.len() % rows != 0 {
+    if rows < 2 || !letters.len().is_multiple_of(rows) {
         return vec![];
     }
     let row = |k: usize| letters[k..].iter().step_by(rows).collect::<String>().trim().to_owned();
