@@ -96,12 +96,26 @@ fn a_moving_average_of_the_angle_is_recognised_and_left_out() {
     }
 }
 
+/// [`late`] of a motion with several frequencies: smoothing changes the amplitude of a single one alone, as a factor on
+/// the speeds would.
+fn lively(lag: f64, seed: u64) -> Channels {
+    let waves = [[(2.0, 1.1), (0.8, 3.7), (0.3, 8.3)], [(1.5, 0.9), (0.7, 4.3), (0.25, 9.1)]];
+    let angle = |t: f64| waves.map(|w| w.iter().map(|(a, f)| a * (f * t).sin()).sum::<f64>());
+    let speed = |t: f64| waves.map(|w| w.iter().map(|(a, f)| a * f * (f * t).cos()).sum::<f64>());
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let channels = late(lag, 0.0, seed);
+    let alpha = channels.t.iter().map(|t| angle(*t).map(|a| (a / 1e-4).round() * 1e-4)).collect();
+    let omega = channels.t.iter().map(|t| speed(t - lag).map(|w| w + 0.02 * normal())).collect();
+    Channels { alpha: Some(alpha), omega: Some(omega), ..channels }
+}
+
 #[test]
 fn speeds_that_are_only_delayed_are_used_beside_angles_that_suffice() {
     let (mut within, mut used) = (0, 0);
     for lag in [0.037, 0.05, 0.06] {
         for seed in 0..20 {
-            let found = done(late(lag, 0.02, seed));
+            let found = done(lively(lag, seed));
             let (value, error) = lag_of(&found.findings).unwrap_or((f64::NAN, 0.0));
             within += usize::from((value - lag).abs() < 2.0 * error);
             used += usize::from(found.channels.omega.is_some());
@@ -114,7 +128,7 @@ fn speeds_that_are_only_delayed_are_used_beside_angles_that_suffice() {
 #[test]
 fn a_moving_average_of_an_own_sensor_is_no_delay() {
     for (span, seed) in [(5, 1), (5, 2), (9, 3), (9, 4)] {
-        let mut channels = late(0.0, 0.02, seed);
+        let mut channels = lively(0.0, seed);
         let own = channels.omega.clone().unwrap();
         let mean = |k: usize, i: usize| {
             let rows = k.saturating_sub(span - 1)..=k;

@@ -192,12 +192,14 @@ fn a_list_of_texts_beside_a_matrix_names_its_columns() {
     };
     let matrix =
         |name: &str| variable(6, [3, 2], name, &[doubles(&[0.0, 0.1, 0.2, 1.0, 2.0, 3.0])]);
-    let of = |variables: &[Vec<u8>]| {
+    let of = |written: &[Vec<u8>]| {
         let mut all = vec![b' '; 124];
         all.extend([0, 1, b'I', b'M']);
-        variables.iter().for_each(|v| all.extend(v));
-        let names = columns(&all, false).into_iter().map(|(name, _)| name);
-        names.collect::<Vec<_>>()
+        written.iter().for_each(|v| all.extend(v));
+        let mut variables = variables(&all, false).unwrap();
+        listed::name_columns(&mut variables);
+        let columns = variables.into_iter().flat_map(|v| v.columns);
+        columns.map(|(name, _)| name).collect::<Vec<_>>()
     };
     let names = || cell("names", &["time", "right speed"]);
     assert_eq!(of(&[matrix("data"), names()]), ["time", "right speed"]);

@@ -219,8 +219,8 @@ fn a_column_that_is_called_battery_is_one_where_its_values_are() {
             column("t", |t| t),
             column("left_rpm", speed),
             column("right_rpm", speed),
-            column("pwm_left", |t| (200.0 * t.sin()).round()),
-            column("pwm_right", |t| (200.0 * t.sin()).round()),
+            column("pwm_left", |t| (300.0 * t.sin()).round().clamp(-255.0, 255.0)),
+            column("pwm_right", |t| (300.0 * t.sin()).round().clamp(-255.0, 255.0)),
             column(name, volts),
         ]);
         (of(&g, "M1").times.clone(), of(&g, "M1").scale)
