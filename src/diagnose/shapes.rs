@@ -8,7 +8,7 @@ use super::fit::fit;
 use super::input_timing::InputTiming;
 use super::scale::scale_of;
 use super::thresholds::THRESHOLDS;
-use super::whole::{followed, over_whole_numbers, whole_numbers};
+use super::whole::{followed, free_shapes, over_whole_numbers, whole_numbers};
 use super::windows::Windows;
 use crate::effects::{ParameterKind, Scale};
 use crate::identify::{Task, start};
@@ -40,15 +40,6 @@ pub fn shapes_placed(model: &Model, train: &[Recording], hold: Hold) -> Model {
     let every = windows.windows.len().div_ceil(MOST).max(1);
     let place = Place { windows: windows.only(|n| n % every == 0), train, hold, scale };
     open.into_iter().fold(model.clone(), |model, e| place.effect(model, e))
-}
-
-/// Places in the parameters of the shapes of effect number `e` that are estimated.
-fn free_shapes(model: &Model, e: usize) -> Vec<usize> {
-    let free = |&j: &usize| {
-        let parameter = &model.parameters()[j];
-        parameter.fixed.is_none() && parameter.spec.kind == ParameterKind::Shape
-    };
-    model.slots(e).filter(free).collect()
 }
 
 fn weak_form(model: &Model, train: &[Recording], hold: Hold) -> Option<Vec<f64>> {

@@ -2,7 +2,7 @@
 
 use super::fit::{WindowFit, fit_within};
 use super::windows::Windows;
-use crate::effects::Scale;
+use crate::effects::{ParameterKind, Scale};
 use crate::model::Model;
 
 /// The fit of which no step of one in a free whole-number shape of effect number `e` lowers the cost by more
@@ -59,13 +59,19 @@ pub(super) fn whole_numbers(model: &Model, e: usize, p: &[f64]) -> Vec<f64> {
     free_whole_numbers(model, e).into_iter().map(|j| p[j]).collect()
 }
 
-/// Places in the parameters of the whole-number shapes of effect number `e` that are estimated.
-fn free_whole_numbers(model: &Model, e: usize) -> Vec<usize> {
-    let is_whole = |j: &usize| {
-        let parameter = &model.parameters()[*j];
-        parameter.spec.whole && parameter.fixed.is_none()
+/// Places in the parameters of the shapes of effect number `e` that are estimated.
+pub(super) fn free_shapes(model: &Model, e: usize) -> Vec<usize> {
+    let free = |&j: &usize| {
+        let parameter = &model.parameters()[j];
+        parameter.fixed.is_none() && parameter.spec.kind == ParameterKind::Shape
     };
-    model.slots(e).filter(is_whole).collect()
+    model.slots(e).filter(free).collect()
+}
+
+/// Those of them that are whole numbers.
+fn free_whole_numbers(model: &Model, e: usize) -> Vec<usize> {
+    let is_whole = |&j: &usize| model.parameters()[j].spec.whole;
+    free_shapes(model, e).into_iter().filter(is_whole).collect()
 }
 
 #[cfg(test)]

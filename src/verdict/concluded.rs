@@ -68,7 +68,7 @@ impl<'a> Concluded<'a> {
         // recordings bias without it: where that is all of the error, it is the likely cause
         let acts = |r: &Ranked| r.refit.as_ref().is_some_and(|f| judge.acts(f, &r.candidate.id));
         let explains = |r: &Ranked| r.fall.is_some_and(|fall| errors.falls_to_floor(fall.ratio));
-        let likely = likely(diagnosis, &errors).filter(|r| acts(r) || explains(r));
+        let likely = likely(diagnosis, &errors).filter(|r| explains(r) || acts(r));
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);

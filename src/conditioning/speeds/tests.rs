@@ -25,6 +25,17 @@ fn late(lag: f64, noise: f64, seed: u64) -> Channels {
 
 /// The same beside angles of that step \[rad\].
 fn late_beside(lag: f64, noise: f64, step: f64, seed: u64) -> Channels {
+    of_motion((angle, speed), lag, noise, step, seed)
+}
+
+/// The same of a motion, its angle and speed at a time.
+fn of_motion(
+    (angle, speed): (impl Fn(f64) -> [f64; 2], impl Fn(f64) -> [f64; 2]),
+    lag: f64,
+    noise: f64,
+    step: f64,
+    seed: u64,
+) -> Channels {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
     let t: Vec<f64> = (0..3000).map(|k| H * f64::from(k)).collect();
@@ -102,12 +113,7 @@ fn lively(lag: f64, seed: u64) -> Channels {
     let waves = [[(2.0, 1.1), (0.8, 3.7), (0.3, 8.3)], [(1.5, 0.9), (0.7, 4.3), (0.25, 9.1)]];
     let angle = |t: f64| waves.map(|w| w.iter().map(|(a, f)| a * (f * t).sin()).sum::<f64>());
     let speed = |t: f64| waves.map(|w| w.iter().map(|(a, f)| a * f * (f * t).cos()).sum::<f64>());
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-    let channels = late(lag, 0.0, seed);
-    let alpha = channels.t.iter().map(|t| angle(*t).map(|a| (a / 1e-4).round() * 1e-4)).collect();
-    let omega = channels.t.iter().map(|t| speed(t - lag).map(|w| w + 0.02 * normal())).collect();
-    Channels { alpha: Some(alpha), omega: Some(omega), ..channels }
+    of_motion((angle, speed), lag, 0.02, 1e-4, seed)
 }
 
 #[test]

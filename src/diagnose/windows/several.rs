@@ -26,19 +26,11 @@ impl Windows<'_> {
 
     /// Ranges of successive windows of one recording, [`IN_TURN`] at most.
     fn groups(&self) -> Vec<Range<usize>> {
-        let mut groups: Vec<Range<usize>> = vec![];
-        for (n, window) in self.windows.iter().enumerate() {
-            match groups.last_mut() {
-                Some(last)
-                    if last.len() < IN_TURN
-                        && self.windows[last.start].recording == window.recording =>
-                {
-                    last.end = n + 1;
-                }
-                _ => groups.push(n..n + 1),
-            }
-        }
-        groups
+        let places: Vec<usize> = (0..self.windows.len()).collect();
+        let of_one =
+            |a: &usize, b: &usize| self.windows[*a].recording == self.windows[*b].recording;
+        let groups = places.chunk_by(of_one).flat_map(|places| places.chunks(IN_TURN));
+        groups.map(|group| group[0]..group[0] + group.len()).collect()
     }
 }
 

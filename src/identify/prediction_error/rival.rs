@@ -63,10 +63,11 @@ pub(super) fn better(
     in_place_of(fit, rival, held_out, (found, open.unit()))
 }
 
-/// The fit, or that of a regression (shapes at their initial values) or of the free simulation if its 2 s simulation error on the training pieces is
-/// smaller by more than one half: all have the same parameters, so that the fit fails. Predictions over single rows are
-/// good with inertias far too large, where the speeds hardly change or the rows are slow. Without a reason for this, an
-/// error of the model (`errs`) or an initial value that `simulates` better, the other methods are not tried.
+/// The fit, or that of a regression (shapes at their initial values) or of the free simulation if its 2 s simulation
+/// error on the training pieces is smaller by more than one half: all have the same parameters, so that the fit fails.
+/// Predictions over single rows are good with inertias far too large, where the speeds hardly change or the rows are
+/// slow. Without a reason for this, an error of the model (`errs`) or an initial value that `simulates` better, the
+/// other methods are not tried.
 pub(super) fn unless_it_fails(
     task: &Task,
     open: &OpenLoop,
