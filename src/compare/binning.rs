@@ -1,6 +1,7 @@
 //! The residual torque in bins of a variable, and the share that the bins explain.
 
 use super::acting::Acting;
+use super::circle::{self, opened};
 use super::curve::{Curve, CurveBin};
 use super::mean::{Mean, Sample, clustered_factor};
 use super::unexplained_torque::Variable;
@@ -49,11 +50,16 @@ struct Bin<'a> {
     rows: Vec<&'a Row>,
 }
 
-/// The rows in motion in bins of a variable; `None` if there are too few, or if the variable is constant.
+/// The rows in motion in bins of a variable; `None` if there are too few, or if the variable is constant
+/// or an angle that hardly changes.
 fn binned(rows: &[Row], v: usize) -> Option<Vec<Bin<'_>>> {
     let moves = |r: &&Row| r.before.iter().any(|m| m.is_finite()) && r.values[v].is_finite();
     // the values beside the rows: a comparison reads no row
     let mut order: Vec<(f64, &Row)> = rows.iter().filter(moves).map(|r| (r.values[v], r)).collect();
+    if Variable::ALL[v].is_cyclic() {
+        let cut = circle::cut(order.iter().map(|(angle, _)| *angle))?;
+        order.iter_mut().for_each(|(angle, _)| *angle = opened(*angle, cut));
+    }
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let varies = |order: &[(f64, &Row)]| order[0].0 != order[order.len() - 1].0;
     (order.len() >= BINS * FEWEST && varies(&order)).then(|| cut(&order))
@@ -141,7 +147,7 @@ fn explained(
     // rows of an input that is zero have no factor, and nothing is explained of them
     let known = |c: f64| if c.is_finite() { c } else { 0.0 };
     let square_of = |s: &Sample, c: f64| (s.value - known(c) * s.per).powi(2);
-    let (mut square, mut same, mut left, mut count, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let [mut square, mut same, mut left, mut count, mut used, mut constants] = [0.0; 6];
     for i in 0..2 {
         let of_wheel = || bins.iter().flat_map(|bin| &bin[i]);
         let constant = match acting {
@@ -149,6 +155,8 @@ fn explained(
             _ => clustered_factor(&of_wheel().copied().collect::<Vec<_>>()).value,
         };
         square += of_wheel().map(|s| square_of(s, 0.0)).sum::<f64>();
+        let wheel_acts = acting != Acting::Torque && constant.is_finite();
+        constants += f64::from(u8::from(wheel_acts));
         same += of_wheel().map(|s| square_of(s, constant)).sum::<f64>();
         for (bin, mean) in bins.iter().zip(means) {
             left += bin[i].iter().map(|s| square_of(s, mean[i].value)).sum::<f64>();
@@ -157,12 +165,12 @@ fn explained(
         }
     }
     let n = count * independent;
-    if n <= used + 1.0 || square <= 0.0 {
+    if n <= used + 1.0 || used <= constants || square <= 0.0 {
         return Explained { square, share: 0.0, log_significance: 0.0 };
     }
     let left = left.max(1e-12 * square);
-    let share = (same / n - left / (n - used)) / (square / n);
-    let log_significance = -chi2_log_survival(n * (same / left).ln(), used);
+    let share = (same / (n - constants) - left / (n - used)) / (square / n);
+    let log_significance = -chi2_log_survival(n * (same / left).ln(), used - constants);
     Explained { square, share: share.max(0.0), log_significance }
 }
 

@@ -67,6 +67,9 @@ impl Curve {
         for i in 0..2 {
             let means = self.bins.iter().map(|b| b.after.unwrap_or(b.before)[i]);
             let known: Vec<Mean> = means.filter(|m| m.blocks > 2 && m.std_error > 0.0).collect();
+            if known.is_empty() {
+                continue;
+            }
             let weight = |m: &Mean| m.std_error.powi(-2);
             let common = match self.acting {
                 Acting::Torque => 0.0,

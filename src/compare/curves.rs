@@ -88,14 +88,14 @@ fn rows(
 ) -> Vec<Row> {
     let (mut out, mut first_block) = (Vec::new(), 0);
     for (n, recording) in recordings.iter().enumerate() {
-        let t = recording.t();
+        let (t, wheels) = (recording.t(), recording.wheels());
         let block = |k: usize| first_block + ((t[k] - t[0]) / BLOCK) as usize;
         for (k, m) in smooth_motion(recording, cutoff).iter().enumerate() {
             let x = motion_of(before.model, t[k] - t[0], m);
             let value = |v: &Variable| v.at(&x, &m.acceleration, &recording.torque()[k]);
             // both models on the same rows
             let after = after.map(|a| a.torque[n][k]);
-            let known = |i: usize| after.is_none_or(|a| a[i].is_finite());
+            let known = |i: usize| wheels.contains(&i) && after.is_none_or(|a| a[i].is_finite());
             let before = [0, 1].map(|i| if known(i) { before.torque[n][k][i] } else { f64::NAN });
             out.push(Row {
                 block: block(k),

@@ -1,7 +1,5 @@
 //! The noise floor: the error that remains for the correct model.
 
-use std::ops::Range;
-
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -101,10 +99,12 @@ fn floor((runs, half): &(Runs, Apart), seed: u64) -> Result<Floor, SimulateError
     let noise = recording.noise_of_jumps().powi(2);
     let share = noise + STEPS * (1.0 - noise);
     let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
-    let covered: f64 = recording.pieces().iter().map(|p| length(recording, p)).sum();
     let speed = recording.motion_noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| {
-        speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
+        speed[i] * recording.covered()
+            + start.ise[i]
+            + slow.ise[i]
+            + input(jumps.ise[i], half.ise[i])
     });
     let known = sensors(recording, start.square) + slow.square;
     let window_rms = (known + input(jumps.square, half.square)).sqrt();
@@ -198,10 +198,6 @@ fn mean_over_rows(recordings: &[Recording], values: impl Iterator<Item = f64>) -
     let rows = || recordings.iter().map(|r| r.len() as f64);
     let sum: f64 = values.zip(rows()).map(|(value, rows)| rows * value).sum();
     sum / f64::max(rows().sum(), 1.0)
-}
-
-fn length(recording: &Recording, piece: &Range<usize>) -> f64 {
-    recording.t()[piece.end - 1] - recording.t()[piece.start]
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod acting;
 mod binning;
+mod circle;
 mod curve;
 mod curves;
 mod error;

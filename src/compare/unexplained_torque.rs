@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::circle::{self, opened};
 use crate::effects::Motion;
 use crate::filter::{Columns, Instant, Likelihood, ProcessNoise};
 use crate::math::distribution::chi2_log_survival;
@@ -62,6 +63,12 @@ impl Variable {
     #[must_use]
     pub(super) const fn is_acceleration(self) -> bool {
         matches!(self, Self::Acceleration1 | Self::Acceleration2)
+    }
+
+    /// Whether it is an angle modulo a turn.
+    #[must_use]
+    pub(super) const fn is_cyclic(self) -> bool {
+        matches!(self, Self::Heading | Self::Alpha1 | Self::Alpha2)
     }
 
     /// Whether feedback control makes the variable respond to every disturbance: inputs, and therefore
@@ -176,8 +183,8 @@ pub fn unexplained_torque(
     asked: Asked,
 ) -> Result<UnexplainedTorque, ModelError> {
     let recordings: Vec<&Recording> = likelihood.prepared.iter().map(|p| p.recording).collect();
-    let edges = Variable::ALL.map(|v| edges(v, model, &recordings));
-    let columns = Bins { edges: &edges };
+    let edges = Variable::ALL.map(|v| Edges::of(v, model, &recordings));
+    let columns = Bins { of: &edges };
     let all: Vec<&dyn Columns> = recordings.iter().map(|_| &columns as &dyn Columns).collect();
     let (h, g) = likelihood.totals(model, p, noise, &all)?;
     let base = model.free();
@@ -199,13 +206,15 @@ pub fn unexplained_torque(
             let start = p.len() + v * 2 * BINS;
             let columns: Vec<usize> = (start..start + 2 * BINS).collect();
             let (statistic, rank) = test(&h, &g, &base, &columns);
-            let curve =
-                |(h, g): &(DMatrix<f64>, DVector<f64>)| curve(&edges[v], h, g, &base, &columns);
+            let curve = |(h, g): &(DMatrix<f64>, DVector<f64>)| {
+                curve(&edges[v].edges, h, g, &base, &columns)
+            };
             let (bins, size) = curves.as_ref().map(curve).map_or((vec![], f64::NAN), |bins| {
                 let size = size(&bins);
                 (bins, size)
             });
-            let log_significance = log_significance(statistic, rank);
+            let log_significance =
+                if edges[v].cut.is_some() { log_significance(statistic, rank) } else { 0.0 };
             Dependence { variable, bins, statistic, rank, log_significance, size }
         })
         .collect();
@@ -213,22 +222,37 @@ pub fn unexplained_torque(
     Ok(UnexplainedTorque { dependences })
 }
 
-/// Bin edges at equal counts, from the 1 % to the 99 % quantile.
-fn edges(variable: Variable, model: &Model, recordings: &[&Recording]) -> Vec<f64> {
-    let mut values = Vec::new();
-    for recording in recordings {
-        for (k, m) in recording.local_motion().iter().enumerate().step_by(3) {
-            let x =
-                Motion::at(recording.t()[k] - recording.t()[0], m.alpha, m.omega, model.robot());
-            values.push(variable.at(&x, &m.acceleration, &recording.torque()[k]));
+/// The bins of a variable.
+struct Edges {
+    /// At equal counts, from the 1 % to the 99 % quantile.
+    edges: Vec<f64>,
+    /// Where the circle of an angle is [cut]; zero for another variable, `None` for an angle that hardly changes.
+    cut: Option<f64>,
+}
+
+impl Edges {
+    fn of(variable: Variable, model: &Model, recordings: &[&Recording]) -> Self {
+        let mut values = Vec::new();
+        for recording in recordings {
+            let (t, torque) = (recording.t(), recording.torque());
+            for (k, m) in recording.local_motion().iter().enumerate().step_by(3) {
+                let x = Motion::at(t[k] - t[0], m.alpha, m.omega, model.robot());
+                values.push(variable.at(&x, &m.acceleration, &torque[k]));
+            }
         }
+        let mut cut = Some(0.0);
+        if variable.is_cyclic() {
+            cut = circle::cut(values.iter().copied());
+            values.iter_mut().for_each(|v| *v = opened(*v, cut.unwrap_or(0.0)));
+        }
+        values.sort_by(f64::total_cmp);
+        let edge = |b: usize| quantile_of_sorted(&values, b as f64 / BINS as f64);
+        Self { edges: (0..=BINS).map(edge).collect(), cut }
     }
-    values.sort_by(f64::total_cmp);
-    (0..=BINS).map(|b| quantile_of_sorted(&values, b as f64 / BINS as f64)).collect()
 }
 
 struct Bins<'a> {
-    edges: &'a [Vec<f64>; 12],
+    of: &'a [Edges; 12],
 }
 
 impl Columns for Bins<'_> {
@@ -243,8 +267,11 @@ impl Columns for Bins<'_> {
     fn torque(&self, at: &Instant, out: &mut [[f64; 2]]) {
         out.iter_mut().for_each(|column| *column = [0.0; 2]);
         for (v, variable) in Variable::ALL.iter().enumerate() {
+            let Edges { edges, cut } = &self.of[v];
             let value = variable.at(&at.motion, &at.acceleration, &at.input);
-            let inner = &self.edges[v][1..BINS];
+            let value =
+                if variable.is_cyclic() { opened(value, cut.unwrap_or(0.0)) } else { value };
+            let inner = &edges[1..BINS];
             let bin = inner.partition_point(|edge| *edge <= value);
             out[v * 2 * BINS + 2 * bin] = [1.0, 0.0];
             out[v * 2 * BINS + 2 * bin + 1] = [0.0, 1.0];

@@ -88,7 +88,7 @@ fn windows(work: &Conditioned, i: usize) -> Option<Vec<(f64, f64)>> {
     let (t, c) = (&work.channels.t, &work.channels);
     let (alpha, omega) = (column(c.alpha.as_ref()?, i), column(c.omega.as_ref()?, i));
     let step = median_step(t);
-    let length = ((WINDOW.0 / step).round() as usize).clamp(WINDOW.1, t.len());
+    let length = ((WINDOW.0 / step).round() as usize).clamp(WINDOW.1, t.len().max(WINDOW.1));
     let mut pairs = Vec::new();
     for piece in pieces(t) {
         let mut from = piece.start;
@@ -221,6 +221,22 @@ mod tests {
     fn differ(a: Option<&Vec<[f64; 2]>>, b: Option<&Vec<[f64; 2]>>) -> f64 {
         let pairs = a.unwrap().iter().flatten().zip(b.unwrap().iter().flatten());
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn wheels_whose_rows_repeat_leave_a_few_rows_or_an_error() {
+        // wheel 1 refreshes every 12 rows, wheel 2 every 15: four rows remain
+        let mut c = channels();
+        c.t.truncate(60);
+        c.torque.truncate(60);
+        for values in [&mut c.alpha, &mut c.omega].into_iter().flatten() {
+            values.truncate(60);
+            let read = values.clone();
+            for k in 0..60 {
+                values[k] = [read[k - k % 12][0], read[k - k % 15][1]];
+            }
+        }
+        let _either = condition(c, &Settings::default(), &Context::default());
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
         let fresh = r.fresh().iter().filter(|f| **f).count().max(1) as f64 / r.len() as f64;
         let eight = 8.0 * std::f64::consts::PI.powi(2);
         let by_noise = (allowed * allowed * 3.0 * rate * fresh / eight).cbrt();
-        by_noise.min(RESOLVED * rate * fresh).max(CYCLES / r.duration()).min(0.4 * rate)
+        by_noise.min(RESOLVED * rate * fresh).max(CYCLES / r.covered()).min(0.4 * rate)
     };
     recordings.iter().map(one).fold(f64::INFINITY, f64::min)
 }

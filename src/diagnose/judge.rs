@@ -117,8 +117,7 @@ impl Judge {
     /// Number of windows of the judged recordings times wheels; an axis mapped to both wheels counts once.
     #[must_use]
     pub fn values(&self) -> f64 {
-        let wheels = |r: &Recording| if r.is_single_axis() { 1.0 } else { 2.0 };
-        self.recordings.iter().map(|r| wheels(r) * r.duration() / WINDOW).sum()
+        self.recordings.iter().map(|r| r.wheels().len() as f64 * r.covered() / WINDOW).sum()
     }
 
     /// Smallest change of the error over windows that the sampling of the input resolves [rad/s]; zero
@@ -307,8 +306,27 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
+    use crate::recording::{Channels, DriveUnit};
     use crate::robot::Robot;
     use crate::simulate::{Movement, NoiseLevel, Recorder, record};
+
+    #[test]
+    fn a_pause_between_two_stretches_is_no_time_of_measurement() {
+        // 10 s, a pause of 180 s, 10 s: five windows of 2 s twice, of two wheels; of one if both are the same axis
+        let stretch = |from: f64| (0..=1000).map(move |k| from + 0.01 * f64::from(k));
+        let t: Vec<f64> = stretch(0.0).chain(stretch(190.0)).collect();
+        let of = |two: f64| {
+            let omega = t.iter().map(|t| [t.sin(), two * t.sin()]).collect();
+            let torque = t.iter().map(|t| [t.cos(), two * t.cos()]).collect();
+            let channels = Channels { t: t.clone(), alpha: None, omega: Some(omega), torque };
+            let recording =
+                Recording::new("paused", channels, DriveUnit::NewtonMetre).expect("valid");
+            Judge::new(vec![recording], Hold::Linear).values()
+        };
+        // each stretch loses a row
+        assert!((of(0.5) - 20.0).abs() < 0.05, "{}", of(0.5));
+        assert!((of(1.0) - 10.0).abs() < 0.05, "{}", of(1.0));
+    }
 
     #[test]
     fn a_limit_that_the_recordings_do_not_reach_does_not_act_in_them() {

@@ -62,6 +62,8 @@ pub struct Diagnosis {
     /// Whether the held-out windows are those of validation recordings (else cross-validation on the training
     /// recordings).
     pub validated: bool,
+    /// Windows of the validation recordings, or of the training recordings without them.
+    pub tested: usize,
 }
 
 impl Diagnosis {
@@ -69,6 +71,16 @@ impl Diagnosis {
     #[must_use]
     pub fn last(&self) -> &WindowFit {
         self.steps.last().map_or(&self.base, |step| &step.fit)
+    }
+
+    /// The candidate of the first step that was found first, which another may precede in the ranking; the best
+    /// if none was found.
+    #[must_use]
+    pub fn leading(&self) -> Option<&Ranked> {
+        match self.steps.first() {
+            Some(step) => self.ranking.iter().find(|r| r.candidate.id == step.id),
+            None => self.ranking.first(),
+        }
     }
 
     /// Ids of the effects found, in the order in which they were found.

@@ -81,7 +81,10 @@ pub fn phases(
     // where a wheel breaks away a row earlier or later, the windows above weigh little, and the simulation may fail
     let apart = |(phase, _): &(&Phase, _)| phase.shift_s != 0.0;
     let mut pairs = phases.iter().zip(recordings.iter().zip(&moved)).filter(apart);
-    let falls = pairs.all(|(_, (before, after))| simulated(after) < simulated(before));
+    let falls = pairs.all(|(_, (before, after))| {
+        let before = simulated(before).unwrap_or(f64::INFINITY);
+        simulated(after).is_some_and(|after| after < before)
+    });
     (near && falls && error <= THRESHOLDS.above_floor).then_some(phases)
 }
 

@@ -113,10 +113,10 @@ impl<'a> Regression<'a> {
         let mut moving = 0.0;
         for (index, smooth) in self.smoothed.recordings.iter().enumerate() {
             let r = smooth.recording;
-            let every = self.every(r);
+            let (every, wheels) = (self.every(r), r.wheels());
             for piece in r.pieces() {
                 for k in piece.clone() {
-                    for i in 0..2 {
+                    for i in wheels.clone() {
                         if smooth.motion[k].omega[i].abs() <= REST * self.speed {
                             continue;
                         }

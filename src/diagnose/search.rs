@@ -45,7 +45,7 @@ pub struct Settings {
     pub candidates: Vec<String>,
     /// Candidates beside the catalogue: formulas of the user.
     pub own: Vec<Arc<dyn Effect>>,
-    /// Largest probability that an effect is named where none is missing.
+    /// Level of the test of each effect on held-out data.
     pub false_alarm: f64,
     /// Largest number of effects that are added.
     pub max_effects: usize,
@@ -124,9 +124,10 @@ pub fn diagnose(
         }
     };
     let validated = search.held.is_some();
+    let tested = search.held.as_ref().unwrap_or(&search.windows).windows.len();
     let widened = |fit: WindowFit| with_sampling(fit, &search.windows);
     let steps = steps.into_iter().map(|step| Step { fit: widened(step.fit), ..step }).collect();
-    Ok(Diagnosis { base: widened(base), ranking, steps, rest, validated })
+    Ok(Diagnosis { base: widened(base), ranking, steps, rest, validated, tested })
 }
 
 struct Search<'a> {

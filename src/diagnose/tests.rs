@@ -52,6 +52,28 @@ fn scale(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
 }
 
 #[test]
+fn a_single_axis_mapped_to_both_wheels_is_evidence_once() {
+    let two = recorded(&[], NOISE, 3);
+    let first = |rows: &[[f64; 2]]| rows.iter().map(|r| [r[0]; 2]).collect::<Vec<_>>();
+    let channels = Channels {
+        t: two.t().to_vec(),
+        alpha: Some(first(two.alpha())),
+        omega: Some(first(two.omega())),
+        torque: first(two.torque()),
+    };
+    let one = Recording::new("axis", channels, two.drive_unit()).unwrap();
+    let model = Model::base(Robot::amigobot());
+    let p = model.initial();
+    let degrees = |r: &Recording| {
+        let smoothed = Smoothed::new(&[r], 5.0);
+        Regression::new(&model, &p, &smoothed, r.top_speed()).unwrap().degrees
+    };
+    // the other wheel rests a little less or more
+    let ratio = degrees(&one) / degrees(&two);
+    assert!((ratio - 0.5).abs() < 0.05, "{ratio}");
+}
+
+#[test]
 fn the_gradient_of_the_windows_is_that_of_their_cost() {
     let recording = recorded(&[], NOISE, 3);
     for ids in [vec!["viscous_friction", "actuator_lag"], vec!["compliance"]] {

@@ -177,7 +177,7 @@ fn with_basis<T>(
 
 /// Recordings without a window of the simulation error, in which no two models can be compared.
 fn short(train: &[Recording]) -> Option<Undetermined> {
-    let seconds: f64 = train.iter().map(Recording::duration).sum();
+    let seconds: f64 = train.iter().map(Recording::covered).sum();
     (seconds < WINDOW).then_some(Undetermined::Short { seconds })
 }
 

@@ -73,7 +73,7 @@ pub(crate) struct HorizonFilter<'a> {
 impl<'a> HorizonFilter<'a> {
     /// `p`: parameters near those sought, for the size of friction and inertia.
     pub(crate) fn new(prepared: &'a [Prepared<'a>], hold: Hold, model: &Model, p: &[f64]) -> Self {
-        let total: f64 = prepared.iter().map(|p| p.recording.duration()).sum();
+        let total: f64 = prepared.iter().map(|p| p.recording.covered()).sum();
         let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
         let piece = |(recording, rows): (usize, Range<usize>)| {
             let r = prepared[recording].recording;

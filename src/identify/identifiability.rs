@@ -7,6 +7,7 @@ use super::{Note, SingleAxis, Unknown};
 use crate::effects::Motion;
 use crate::math::Information;
 use crate::model::Model;
+use crate::model::base::A5;
 use crate::recording::Recording;
 
 /// Covariance of all parameters, with notes on it.
@@ -148,6 +149,12 @@ pub(super) fn least_known(
     // the last of equal ones, a2: a1 is the larger inertia and then stands for the sum
     let least = unknown.max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     least.map(|(j, _)| j)
+}
+
+/// The value at which parameter `j` is held if the data do not identify it: that of the construction data for the base
+/// model, zero for an effect, which has no typical size in the unit of any input and of a robot of any scale.
+pub(super) fn held_value(model: &Model, j: usize) -> f64 {
+    if j > A5 { 0.0 } else { model.initial()[j] }
 }
 
 /// Every free linear parameter with the torque that one unit of it makes in a curve at the speeds

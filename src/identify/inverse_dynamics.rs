@@ -145,7 +145,7 @@ impl<'a> Regression<'a> {
 
     /// Which samples become rows.
     fn choose_rows(&mut self) {
-        let length = block_length(self.task.train.iter().map(Recording::duration).sum());
+        let length = block_length(self.task.train.iter().map(Recording::covered).sum());
         let mut before = 0.0;
         for (r, recording) in self.task.train.iter().enumerate() {
             let (t, treatment) = (recording.t(), self.treatments[r]);
@@ -311,9 +311,8 @@ impl<'a> Regression<'a> {
         let mut out =
             linear_fit(method, self.task, self.linear(), values, &information, covariance)?;
         let blocks = self.block.iter().collect::<std::collections::BTreeSet<_>>().len();
-        // with a single block rows count as independent
-        let independent = if blocks < 2 { self.count } else { blocks };
-        out = out.with_degrees(independent as f64 - self.linear().len() as f64);
+        // too few blocks for a covariance: that of the rows, with the widest intervals
+        out = out.with_degrees(blocks.saturating_sub(self.linear().len()).max(1) as f64);
         out.notes.push(Note::CutOff(self.treatments.iter().map(|t| t.cutoff).collect()));
         out.work.evaluations = 1;
         Ok(out)

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::identifiability::{among_all, identified, inverse_where_known, least_known};
+use super::identifiability::{among_all, held_value, identified, inverse_where_known, least_known};
 use super::simulation_cost::{Problem, statistics};
 use super::{
     Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError, SingleAxis,
@@ -137,9 +137,9 @@ impl Identifier for OutputError {
 }
 
 impl OutputError {
-    /// The fit with parameter `j`, which is not identifiable, fixed at its initial value.
+    /// The fit with parameter `j`, which is not identifiable, fixed at its [`held_value`].
     fn with_fixed(&self, task: &Task, j: usize) -> Result<Fit, IdentifyError> {
-        let (parameter, value) = (&task.model.parameters()[j], task.model.initial()[j]);
+        let (parameter, value) = (&task.model.parameters()[j], held_value(task.model, j));
         let (symbol, effect) = (parameter.spec.symbol.clone(), parameter.effect.clone());
         let model = task.model.fix(&symbol, value).map_err(|_| no_start())?;
         let mut fit = self.identify(&Task { model: &model, ..*task })?;
@@ -234,8 +234,44 @@ mod tests {
     use super::*;
     use crate::model::Model;
     use crate::model::base::A1;
+    use crate::recording::{Channels, Recording};
     use crate::robot::Robot;
     use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+
+    #[test]
+    fn rows_that_repeat_a_slow_sensor_add_nothing() {
+        let model = Model::base(Robot::amigobot());
+        let noise = NoiseLevel { dalpha: 0.04, alpha: 2e-3, torque: 0.0 };
+        let movement = Movement::rich(model.robot(), 5, 20.0, 12.0);
+        let recorder = Recorder { rate: 20.0, control_rate: 1000.0, noise, ticks: None, seed: 5 };
+        let slow = record("slow", &model, &model.initial(), &movement, &recorder).unwrap();
+        // the same readings and the same lines of the torque in rows ten times as fast
+        let (rows, t) = (10 * (slow.len() - 1), slow.t());
+        let within = |n: usize| 0.1 * (n % 10) as f64;
+        let between = |n: usize, a: f64, b: f64| a + within(n) * (b - a);
+        let torque = |n: usize| {
+            let (a, b) = (slow.torque()[n / 10], slow.torque()[n / 10 + 1]);
+            [0, 1].map(|i| between(n, a[i], b[i]))
+        };
+        let channels = Channels {
+            t: (0..rows).map(|n| between(n, t[n / 10], t[n / 10 + 1])).collect(),
+            alpha: Some((0..rows).map(|n| slow.alpha()[n / 10]).collect()),
+            omega: Some((0..rows).map(|n| slow.omega()[n / 10]).collect()),
+            torque: (0..rows).map(torque).collect(),
+        };
+        let fast = Recording::new("fast", channels, slow.drive_unit()).unwrap();
+        let fits = [slow, fast].map(|recording| {
+            let train = [recording];
+            let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+            OutputError::default().identify(&task).unwrap()
+        });
+        for (a, b) in fits[0].estimates.iter().zip(&fits[1].estimates) {
+            // the levels of noise are estimated from other rows
+            let ratio = b.std_error / a.std_error;
+            assert!((0.7..1.4).contains(&ratio), "{}: {ratio}", a.symbol);
+            assert!((b.value - a.value).abs() < a.std_error, "{}", a.symbol);
+        }
+    }
 
     #[test]
     fn a_robot_that_starts_at_rest_is_fitted_in_a_few_steps_whatever_the_noise_of_its_first_row() {

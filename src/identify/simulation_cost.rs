@@ -164,10 +164,14 @@ impl<'a> Problem<'a> {
         std::array::from_fn(|i| if prepared.used[i] { one_over(i) } else { 0.0 })
     }
 
-    /// Number of measured values minus number of estimated quantities.
+    /// Number of measured values, without those that repeat a slow sensor, minus number of estimated quantities.
     pub(super) fn degrees(&self) -> f64 {
         let channels = |r: usize| self.prepared[r].used.iter().filter(|used| **used).count();
-        let samples: usize = self.pieces.iter().map(|(r, piece)| piece.len() * channels(*r)).sum();
+        let fresh = |r: usize, piece: &std::ops::Range<usize>| {
+            self.task.train[r].fresh()[piece.clone()].iter().filter(|fresh| **fresh).count()
+        };
+        let values = |(r, piece): &(usize, std::ops::Range<usize>)| fresh(*r, piece) * channels(*r);
+        let samples: usize = self.pieces.iter().map(values).sum();
         samples.saturating_sub(self.free.len() + 4 * self.pieces.len()).max(1) as f64
     }
 
@@ -198,6 +202,7 @@ impl<'a> Problem<'a> {
         let (mut cost, mut scores) = (0.0, Vec::new());
         for (n, (r, piece)) in self.pieces.iter().enumerate() {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
+            let fresh = self.task.train[*r].fresh();
             let stride = (p.len() + 4).next_multiple_of(LANES);
             let (mut sums, mut blocks) = (ScoreSums::new(p.len() + 4), Vec::new());
             let mut block_ends = input.t[0] + BLOCK;
@@ -206,6 +211,10 @@ impl<'a> Problem<'a> {
                 while input.t[k] >= block_ends {
                     blocks.push(sums.take_score());
                     block_ends += BLOCK;
+                }
+                // a row that repeats a slow sensor is no measurement
+                if !fresh[piece.start + k] {
+                    return true;
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {
                     let residual = weight[i] * error[i];

@@ -201,7 +201,7 @@ impl WeakForm {
 
     fn groups(&self, task: &Task, regressor: &Regressor, half_width: f64) -> Vec<Group> {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(task.seed);
-        let total: f64 = task.train.iter().map(Recording::duration).sum();
+        let total: f64 = task.train.iter().map(Recording::covered).sum();
         let length = (total / BLOCKS).clamp(BLOCK.0, BLOCK.1);
         let (mut out, mut first) = (Vec::new(), 0);
         for recording in task.train {

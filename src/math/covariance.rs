@@ -42,7 +42,7 @@ pub fn sandwich<'a>(
 /// `bread` B is the inverse of `sum z x' psi'`, `z` the instruments (the columns themselves for
 /// least squares), `psi` the influence of each residual (weight times residual), `block` the block
 /// of each row. `rows` n is the number of rows of data, which the rows of `z` may stand for; k is the
-/// width of `z`. With fewer than two blocks rows count as independent.
+/// width of `z`. With no more blocks than columns rows count as independent.
 ///
 /// Source: K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986); the factor c is that of Stata and
 /// statsmodels.
@@ -58,7 +58,7 @@ pub fn clustered_covariance(
     rows: usize,
 ) -> DMatrix<f64> {
     let blocks = block.iter().max().map_or(0, |b| b + 1);
-    let one = |i: usize| if blocks < 2 { i } else { block[i] };
+    let one = |i: usize| if blocks <= z.ncols() { i } else { block[i] };
     let mut scores = std::collections::BTreeMap::<usize, DVector<f64>>::new();
     let mut next = 0;
     while next < z.nrows() {

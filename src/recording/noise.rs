@@ -16,7 +16,7 @@ const SHORTEST: usize = 12;
 /// Replaces the noise levels of short recordings by those of the longer ones if the latter are lower: the
 /// median of each channel over recordings of 10 s and more. All recordings must be from the same sensors.
 pub fn share_noise(recordings: &mut [&mut Recording]) {
-    let long = |r: &Recording| r.duration() >= BLOCKS * BLOCK;
+    let long = |r: &Recording| r.covered() >= BLOCKS * BLOCK;
     let noises: Vec<Noise> = recordings.iter().filter(|r| long(r)).map(|r| r.noise()).collect();
     if noises.is_empty() {
         return;
@@ -113,7 +113,7 @@ impl Recording {
     /// `sensed`: rows that only repeat a slow sensor contain no information on its noise.
     fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
         let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
-        let step = if sensed { self.duration() / fresh as f64 } else { self.step() };
+        let step = if sensed { self.covered() / fresh as f64 } else { self.step() };
         let block = ((BLOCK / step) as usize).max(SHORTEST);
         // blocks without counts of a coarse encoder contain no information on its noise; a held input has
         // none

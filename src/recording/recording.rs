@@ -177,6 +177,16 @@ impl Recording {
         let same = |rows: &[[f64; 2]]| rows.iter().all(|r| r[0] == r[1]);
         same(&self.alpha) && same(&self.omega) && same(&self.torque)
     }
+    /// The wheels with values of their own: a single axis mapped to both wheels counts once.
+    #[must_use]
+    pub fn wheels(&self) -> Range<usize> {
+        if self.is_single_axis() { 0..1 } else { 0..2 }
+    }
+    /// Time covered by the pieces, without the gaps between them \[s\].
+    #[must_use]
+    pub fn covered(&self) -> f64 {
+        self.pieces.iter().map(|piece| self.t[piece.end - 1] - self.t[piece.start]).sum()
+    }
     /// Whether the sensors gave a new value at each sample: loggers that are faster than their sensors repeat
     /// the last value.
     #[must_use]

@@ -78,8 +78,12 @@ pub fn not_determined(why: Undetermined) -> String {
             significant(seconds, 2)
         ),
         Undetermined::Windows { windows } => format!(
-            "Whether an effect is missing cannot be determined: none of the parameters is determined by the {windows} \
-             windows of 1 s of the training recordings."
+            "Whether an effect is missing cannot be tested: the training recordings have {windows} windows of 1 s, which \
+             determine no parameter in the fit of the diagnosis. The estimates of the methods are those of all rows."
+        ),
+        Undetermined::Untested { windows } => format!(
+            "Whether an effect is missing cannot be tested: the validation recordings have {windows} windows of 1 s, too \
+             few for a comparison of two models."
         ),
         Undetermined::BetweenRows { share, step_s, .. } => format!(
             "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \

@@ -194,6 +194,8 @@ pub enum Advice {
     CheckColumns,
     /// The speeds hardly change: movement that determines the inertias.
     ChangeSpeed,
+    /// A recording of more windows.
+    RecordLonger,
     /// The rows are too slow for the inertias.
     RecordFaster {
         /// Sufficient number of rows per second.

@@ -245,7 +245,7 @@ impl Study {
     #[must_use]
     pub fn grade(&self) -> Option<Grade> {
         let model = self.last_model()?;
-        if self.undetermined().is_some() {
+        if self.undetermined().is_some_and(|why| !why.is_of_tests()) {
             return Some(Grade::NotUsable);
         }
         Some(Grade::of(self.error_of(model), self.judged_floor(), self.top_speed()))

@@ -20,6 +20,11 @@ pub enum Undetermined {
         /// Number of windows of 1 s.
         windows: usize,
     },
+    /// The validation recordings have too few windows for a test.
+    Untested {
+        /// Number of windows of 1 s.
+        windows: usize,
+    },
     /// The larger part of the inertias may be due to the unknown input between the rows.
     BetweenRows {
         /// Largest share of them.
@@ -29,4 +34,13 @@ pub enum Undetermined {
         /// Rows a second that would do.
         rate: usize,
     },
+}
+
+impl Undetermined {
+    /// Whether only the diagnosis is concerned: the parameters and the error of the model are those of all rows, with
+    /// intervals of their own.
+    #[must_use]
+    pub fn is_of_tests(self) -> bool {
+        matches!(self, Self::Short { .. } | Self::Windows { .. } | Self::Untested { .. })
+    }
 }

@@ -5,8 +5,8 @@ use super::next::{advice, propose, to_prove};
 use super::ranking::{ranking, staircase};
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
-    Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, WindowFit, conclude,
-    difference, likely, structured, structured_by_blocks, withheld,
+    Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, THRESHOLDS,
+    WindowFit, conclude, difference, likely, structured, structured_by_blocks, withheld,
 };
 use crate::filter::{Likelihood, prepare};
 use crate::math::correlations;
@@ -88,7 +88,10 @@ impl<'a> Concluded<'a> {
             other => other,
         };
         let sufficient = conclusion == Conclusion::Sufficient;
-        let undetermined = undetermined.or_else(|| of_windows(diagnosis).filter(|_| sufficient));
+        let unknown = conclusion == Conclusion::Unknown || sufficient && errors.above_floor();
+        let undetermined = undetermined
+            .or_else(|| of_windows(diagnosis).filter(|_| sufficient || unknown))
+            .or_else(|| untested(diagnosis).filter(|_| unknown));
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
             .and_then(|r| {
@@ -144,12 +147,16 @@ impl<'a> Concluded<'a> {
             && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
         let next = match (self.undetermined, self.withheld) {
-            (Some(Undetermined::Columns | Undetermined::Short { .. }), _) => {
-                vec![Advice::CheckColumns]
-            }
-            (Some(Undetermined::Steady { .. } | Undetermined::Windows { .. }), _) => {
-                vec![Advice::ChangeSpeed]
-            }
+            (Some(Undetermined::Columns), _) => vec![Advice::CheckColumns],
+            (Some(Undetermined::Steady { .. }), _) => vec![Advice::ChangeSpeed],
+            (
+                Some(
+                    Undetermined::Short { .. }
+                    | Undetermined::Windows { .. }
+                    | Undetermined::Untested { .. },
+                ),
+                _,
+            ) => vec![Advice::RecordLonger],
             (Some(Undetermined::BetweenRows { rate, .. }), _) => {
                 vec![Advice::RecordFaster { rate }]
             }
@@ -226,6 +233,12 @@ fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
     none.then_some(Undetermined::Windows { windows: *windows })
 }
 
+/// Why the judged recordings prove no effect: a test has [fewest_windows](crate::diagnose::Thresholds) at least.
+fn untested(diagnosis: &Diagnosis) -> Option<Undetermined> {
+    let windows = diagnosis.tested;
+    (windows < THRESHOLDS.fewest_windows).then_some(Undetermined::Untested { windows })
+}
+
 /// Why judged recordings whose speeds hardly change do not determine a model.
 fn steady(judge: &Judge, errors: &Errors) -> Option<Undetermined> {
     let change = judge.change();
@@ -294,7 +307,7 @@ mod tests {
             let (model, p) = (model.clone(), p.clone());
             let base = WindowFit { model, p, cost: 1.0, covariance, at_bound, windows };
             let (ranking, steps, rest) = (vec![], vec![], vec![]);
-            of_windows(&Diagnosis { base, ranking, steps, rest, validated: false })
+            of_windows(&Diagnosis { base, ranking, steps, rest, validated: false, tested: 3 })
         };
         assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3 }));
         assert_eq!(of(1e-6), None);

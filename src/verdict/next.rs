@@ -40,7 +40,7 @@ pub(super) fn propose(
 /// The two effects that a further recording should distinguish: the first that was found and one that is not
 /// distinguishable from it; if none was found, the first two that would lower the criterion.
 fn competing(diagnosis: &Diagnosis) -> Option<(&Ranked, &Ranked)> {
-    let best = diagnosis.ranking.first()?;
+    let best = diagnosis.leading()?;
     let same = best.candidate.effect.description().equivalent;
     let rival = match diagnosis.steps.first() {
         Some(step) => {
@@ -66,7 +66,7 @@ pub(super) fn to_prove(ranked: &Ranked, between_rows: bool) -> Advice {
 
 /// Recommended recording if two effects are not distinguishable.
 pub(super) fn advice(diagnosis: &Diagnosis, likely: Option<&Ranked>) -> Vec<Advice> {
-    let Some(best) = diagnosis.ranking.first() else { return vec![] };
+    let Some(best) = diagnosis.leading() else { return vec![] };
     let same = best.candidate.effect.description();
     let mut out: Vec<Advice> = likely.iter().map(|likely| to_prove(likely, false)).collect();
     let found = diagnosis.steps.first();

@@ -39,19 +39,23 @@ pub(super) fn ranking(
     let refuted: Vec<bool> =
         pairs.map(|(ranked, after)| is_refuted(ranked, raises(after))).collect();
     let probabilities = probabilities(&diagnosis.ranking, &refuted);
-    let best = diagnosis.ranking.first().map_or(0.0, |r| r.bic);
+    let leading = diagnosis.leading();
     let ranking = diagnosis.ranking.iter().zip(probabilities).zip(after.into_iter().zip(refuted));
     Ok(ranking
-        .enumerate()
-        .map(|(place, ((ranked, probability), (after, no_better)))| {
+        .map(|((ranked, probability), (after, no_better))| {
             // effects that do nothing are all alike
-            let is_alike = || !no_better && (ranked.bic - best).abs() < THRESHOLDS.alike;
-            let equals = if place == 0 {
-                diagnosis.steps.first().map(|s| s.equals.clone()).unwrap_or_default()
-            } else if ranked.refit.is_some() && is_alike() {
-                vec![diagnosis.ranking[0].candidate.id.clone()]
-            } else {
-                ranked.candidate.effect.description().equivalent
+            let is_alike = |best: &&Ranked| {
+                ranked.refit.is_some()
+                    && !no_better
+                    && (ranked.bic - best.bic).abs() < THRESHOLDS.alike
+            };
+            let id = &ranked.candidate.id;
+            let first = diagnosis.steps.first().filter(|step| step.id == *id);
+            let other = leading.filter(|best| best.candidate.id != *id).filter(is_alike);
+            let equals = match (first, other) {
+                (Some(step), _) => step.equals.clone(),
+                (None, Some(best)) => vec![best.candidate.id.clone()],
+                (None, None) => ranked.candidate.effect.description().equivalent,
             };
             let study = candidate(ranked, before, after, judge);
             CandidateStudy { probability, no_better, indistinguishable: equals, ..study }

@@ -70,12 +70,13 @@ impl Lag {
     }
 }
 
-/// Mean of the wheels' lags by their accuracy; none where they differ.
+/// Mean of the wheels' lags by their accuracy, with a standard error that their scatter widens.
 pub(super) fn pooled(lags: &[Lag]) -> Option<Lag> {
     let weight = |l: &Lag| 1.0 / (l.std_error * l.std_error).max(1e-18);
     let total: f64 = lags.iter().map(weight).sum();
     let value = lags.iter().map(|l| weight(l) * l.value).sum::<f64>() / total;
     let spread: f64 = lags.iter().map(|l| weight(l) * (l.value - value).powi(2)).sum();
-    let std_error = (spread.max(1.0) / total).sqrt();
+    let ratio = spread / (lags.len() as f64 - 1.0).max(1.0);
+    let std_error = (ratio.max(1.0) / total).sqrt();
     (!lags.is_empty()).then_some(Lag { value, std_error })
 }

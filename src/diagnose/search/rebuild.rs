@@ -5,7 +5,7 @@ use super::steps::has_size;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::effects::Change;
+use crate::effects::{Change, Description};
 
 impl Search<'_> {
     /// Steps whose last one is a lag or delay, with that one placed before the last of the others, if they are
@@ -82,7 +82,8 @@ impl Search<'_> {
             for other in others {
                 let mut next = best.clone();
                 let Some(fit) = other.refit.clone() else { continue };
-                next[n] = Step { id: other.candidate.id.clone(), fit, equals: vec![], ..next[n] };
+                let Description { id, equivalent, .. } = other.candidate.effect.description();
+                next[n] = Step { id, fit, equals: equivalent, ..next[n] };
                 let next = self.rebuilt(base, &next);
                 let (Some(now), Some(then)) = (best.last(), next.last()) else { continue };
                 let more = then.fit.p.len() as f64 - now.fit.p.len() as f64;

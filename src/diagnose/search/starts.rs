@@ -9,7 +9,7 @@ use crate::diagnose::candidate::Candidate;
 use crate::diagnose::candidates::candidates;
 use crate::diagnose::fit::{WindowFit, fit};
 use crate::diagnose::outcome::Ranked;
-use crate::diagnose::regression::Buffers;
+use crate::diagnose::regression::{Buffers, Regression};
 use crate::diagnose::screen::Screen;
 use crate::diagnose::thresholds::THRESHOLDS;
 use crate::diagnose::windows::Windows;
@@ -146,7 +146,7 @@ impl Search<'_> {
     fn waves(&self, base: WindowFit) -> Option<(WindowFit, Candidate, Aligned)> {
         let mut present = base;
         for round in 0..=self.settings.max_effects {
-            if !self.is_above_floor(present.cost) {
+            if !self.is_above_floor(present.cost) && !(round == 0 && self.is_periodic(&present)) {
                 return None;
             }
             let held = held_in_time(&present);
@@ -177,7 +177,19 @@ impl Search<'_> {
         None
     }
 
-    /// Whether a cost is larger than noise explains; near the floor, phases would be fitted to noise.
+    /// Whether the torque balance alone shows a torque that is periodic in the heading, with separate phases. Recordings
+    /// of few headings let the parameters absorb a part of it, so that the error may be near the floor. The many orders
+    /// of a ripple are left out: they cost more than the rest of the conditioning.
+    fn is_periodic(&self, present: &WindowFit) -> bool {
+        let WindowFit { model, p, .. } = present;
+        let balance = (Regression::new(model, p, &self.smoothed, self.scale.speed), None);
+        let mut all = candidates(model, p, &[], &[], &self.windows.recordings, &self.scale);
+        all.retain(|candidate| candidate.waves().iter().any(|wave| wave.of == Cycle::Heading));
+        let phased = self.phased(&balance, &all);
+        phased.iter().any(|c| c.criterion < c.in_common.min(0.0) - THRESHOLDS.strong)
+    }
+
+    /// Whether a cost is larger than noise explains.
     fn is_above_floor(&self, cost: f64) -> bool {
         cost > 0.5 * THRESHOLDS.above_floor.powi(2) * self.windows.values() as f64
     }

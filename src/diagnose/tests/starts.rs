@@ -49,6 +49,20 @@ fn headings_that_differ_between_recordings_are_found_on_an_inclined_floor() {
 }
 
 #[test]
+fn a_slope_that_similar_headings_let_the_parameters_absorb_shows_in_the_torque_balance() {
+    let robot = Robot::amigobot();
+    let headings = [0.0_f64, 0.3, 3.0];
+    let later = headings.map(|heading| {
+        let turn = heading * robot.l1() / robot.r();
+        [turn, -turn]
+    });
+    let slope: &[(&str, &[f64])] = &[("slope", &[0.008, 0.004, 0.3])];
+    let starts = found(&recorded_from(slope, &later)).unwrap();
+    let (angle, error) = against_first(&starts, Cycle::Heading)[2];
+    assert!((angle - headings[2]).sin().abs() < 4.0 * error + 0.1, "{angle} ± {error}");
+}
+
+#[test]
 fn wheels_that_start_elsewhere_are_found_by_a_ripple_beside_a_larger_effect() {
     let effects: &[(&str, &[f64])] =
         &[("viscous_friction", &[0.02]), ("torque_ripple", &[0.03, 0.0, 0.02, 0.02, 5.0])];

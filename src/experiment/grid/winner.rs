@@ -82,7 +82,7 @@ impl Winner {
     pub(super) fn sentence(&self, on: &str) -> String {
         let nearest = &self.rivals[0];
         let error = format::digits(self.error, 3);
-        if nearest.is_distinguished() {
+        if self.rivals.iter().all(Rival::is_distinguished) {
             let [ratio, low, high] = [nearest.ratio, nearest.interval.0, nearest.interval.1]
                 .map(|ratio| format::percent(ratio - 1.0));
             return format!(

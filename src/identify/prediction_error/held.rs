@@ -1,10 +1,10 @@
-//! Fixes parameters that are not identifiable at initial values.
+//! Fixes parameters that are not identifiable.
 
 use nalgebra::DMatrix;
 
 use super::descent::{Solution, descend};
 use crate::filter::HorizonFilter;
-use crate::identify::identifiability::least_known;
+use crate::identify::identifiability::{held_value, least_known};
 use crate::identify::open_loop::OpenLoop;
 use crate::identify::{Note, Task, Unknown};
 use crate::model::Model;
@@ -36,10 +36,9 @@ impl Held {
         (start, open): (&[f64], &OpenLoop),
     ) -> Self {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
-        let initial = task.model.initial();
         let at = |j: usize, p: &[f64]| match j {
             A2 | A3 => in_proportion(task.model, j, p),
-            _ => initial[j],
+            _ => held_value(task.model, j),
         };
         let error = |held: &Self| open.mean(&held.model, &held.solution.p);
         // where the information is not a number, a held parameter would be found again

@@ -27,8 +27,8 @@ pub(super) fn measure(r: &Recording) -> (f64, f64, Gaps) {
 pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
     let mut out = Vec::new();
     let rate = 1.0 / r.step();
-    if r.duration() < SHORT {
-        out.push(Finding::new(Severity::Warning, Issue::Short(r.duration())));
+    if r.covered() < SHORT {
+        out.push(Finding::new(Severity::Warning, Issue::Short(r.covered())));
     }
     // steps of 50 ms are 20 Hz despite rounding of the time stamps
     if rate < SLOW * (1.0 - 1e-3) {

@@ -99,7 +99,7 @@ fn numbers(study: &Study) -> Option<Block> {
         true => ("an upper bound from noise and sampling", "its error is below that bound"),
         false => ("the error expected from noise alone", means(grade)),
     };
-    let meaning = match study.undetermined() {
+    let meaning = match study.undetermined().filter(|why| !why.is_of_tests()) {
         Some(_) => "its parameters cannot be determined from these recordings",
         None => meaning,
     };

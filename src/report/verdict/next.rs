@@ -51,6 +51,10 @@ fn words(advice: &Advice) -> String {
         Advice::ChangeSpeed => {
             "Record speeding up, braking and reversals, best by steps of the input without feedback.".to_owned()
         }
+        Advice::RecordLonger => {
+            "Record longer, at least 20 s with speeding up, braking and reversals, for training and for validation."
+                .to_owned()
+        }
         Advice::RecordFaster { rate } => {
             format!("Record the input about ten times faster, at {rate} rows per second.")
         }
