@@ -117,7 +117,7 @@ fn floor((runs, half): &(Runs, Apart), seed: u64) -> Result<Floor, SimulateError
 const STEPS: f64 = 1.0 / 3.0;
 
 /// Root mean square error over windows of 2 s [rad/s] of a correct model on recordings, due to the unknown
-/// input between their rows: a third of the mean square difference that omitting every other row causes,
+/// input between their rows: a third of the root mean square difference that omitting every other row causes,
 /// because the error of linear interpolation is proportional to the square of the interval. A smaller change
 /// of the error contains no information on the robot.
 ///

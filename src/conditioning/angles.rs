@@ -96,7 +96,7 @@ fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
     out
 }
 
-/// The angle that no motion reaches from row to row; `None` for a wheel that hardly moves.
+/// The angle that no motion reaches from row to row; infinite for a wheel that hardly moves.
 fn far(increments: &[f64]) -> f64 {
     let ordinary = quantile(increments.iter().map(|d| d.abs()), 0.98);
     if ordinary > 0.0 { BEYOND * ordinary } else { f64::INFINITY }

@@ -142,5 +142,5 @@ pub fn condition(
     Ok(work)
 }
 
-/// Smallest number of rows.
+/// Fewest rows of a log that is conditioned; a shorter one is left as it is (judgement).
 const FEWEST_ROWS: usize = 50;

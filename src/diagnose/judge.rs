@@ -188,6 +188,19 @@ impl Judge {
         Ok(if error > floor && floor > 0.0 { error / floor } else { 1.0 })
     }
 
+    /// Error over noise floor of a fit on its training recordings, if it is above the floor.
+    ///
+    /// # Errors
+    /// The mass matrix is not positive definite.
+    pub fn fails(
+        &self,
+        fit: &WindowFit,
+        train: &[Recording],
+    ) -> Result<Option<f64>, SimulateError> {
+        let ratio = self.misfit(fit, train)?.sqrt();
+        Ok((ratio > THRESHOLDS.above_floor).then_some(ratio))
+    }
+
     /// What the uncertainty of the parameters of a fit may add to the error over windows, squared [rad^2/s^2]:
     /// recordings with another movement than the training ones (faster turns, higher speeds) depend on combinations of
     /// the parameters that the latter determine less well.

@@ -159,7 +159,7 @@ impl Search<'_, '_> {
 
     /// The time constant of least `score`, and the second derivative of that by the logarithm of the time constant.
     /// `None` without a minimum inside the range; the longest time constants leave noise alone of the speeds, whose
-    /// score says nothing.
+    /// score has no minimum.
     fn least(&self, score: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
         let first = THRESHOLDS.logging * self.scale.step;
         let count = ((THRESHOLDS.longest_delay_s / first).ln() / RATIO.ln()).ceil().max(2.0) as i32;

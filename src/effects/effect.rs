@@ -3,6 +3,7 @@
 use super::{
     Coupling, Description, Energy, Motion, ParameterKind, ParameterSpec, Scale, Terms, Wave,
 };
+use crate::math::distribution::NORMAL_95;
 use crate::math::{Dual, Real, Symbol};
 use crate::recording::DriveUnit;
 use crate::robot::Robot;
@@ -47,7 +48,7 @@ impl Change {
 }
 
 /// Number of standard errors by which a parameter differs significantly from a value (95 %).
-pub const SURELY: f64 = 1.96;
+pub const SURELY: f64 = NORMAL_95;
 
 /// Factors on the typical value of a shape parameter, if no scale is known.
 const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! At a constant period the fall is proportional to the acceleration, as is the torque of the inertia, so the motion
-//! cannot tell the two apart; it only shows that the input changes at the rows.
+//! cannot distinguish the two; it only shows that the input changes at the rows.
 
 use super::plan::Plan;
 use crate::conditioning::{Action, Channel, Finding, Kind};

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::gains::{Feedforward, Gains, Operation};
+use crate::math::distribution::NORMAL_95;
 use crate::model::Model;
 use crate::recording::DriveUnit;
 
@@ -16,8 +17,6 @@ pub struct GainErrors {
     pub angular: Feedforward,
 }
 
-/// Half the width of a 95 % interval in standard errors.
-const CONFIDENT: f64 = 1.96;
 /// Step of the differences in standard errors, or in parts of the value where there is no finite one.
 const STEP: f64 = 1e-3;
 
@@ -71,7 +70,7 @@ impl GainErrors {
     /// zero.
     #[must_use]
     pub fn shows_inertia(&self, gains: &Gains) -> [bool; 2] {
-        let shows = |value: f64, error: f64| value > CONFIDENT * error;
+        let shows = |value: f64, error: f64| value > NORMAL_95 * error;
         [shows(gains.linear.ka, self.linear.ka), shows(gains.angular.ka, self.angular.ka)]
     }
 

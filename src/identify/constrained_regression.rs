@@ -13,6 +13,7 @@ use super::{
     Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, PhysicalBound, Status,
     Task, Unsupported, from_options, options_schema,
 };
+use crate::math::robust::HUBER_THRESHOLD;
 use crate::math::{clustered_covariance, robust_deviation};
 use crate::model::base;
 
@@ -58,8 +59,6 @@ pub enum Loss {
 const NAME: &str = "constrained_regression";
 /// a1 exceeds |a2| by this factor, so that the mass matrix can be inverted.
 const MARGIN: f64 = 1.001;
-/// Huber's threshold in standard deviations.
-const THRESHOLD: f64 = 1.345;
 /// A multiplier above this share of the gradient's scale is an active bound.
 const ACTIVE: f64 = 1e-5;
 
@@ -207,7 +206,7 @@ impl ConstrainedRegression {
             Loss::L1 | Loss::Huber => {
                 for i in 0..n {
                     let v = (self.loss == Loss::Huber).then(|| program.variable(0.0));
-                    let price = if v.is_some() { THRESHOLD } else { 1.0 };
+                    let price = if v.is_some() { HUBER_THRESHOLD } else { 1.0 };
                     let size = program.variable(price / n as f64);
                     if let Some(v) = v {
                         program.quadratic.push((v, v, 1.0 / n as f64));
@@ -238,7 +237,7 @@ impl ConstrainedRegression {
 
     /// Influence of each residual and its slope.
     fn influence(&self, residuals: &DVector<f64>, sigma: f64) -> (DVector<f64>, DVector<f64>) {
-        let limit = THRESHOLD * sigma;
+        let limit = HUBER_THRESHOLD * sigma;
         // the density of residuals at zero, from those within half a standard deviation
         let near = 0.5 * sigma;
         match self.loss {

@@ -92,7 +92,7 @@ fn intervals_cover_the_true_values_at_ordinary_noise() {
 }
 
 #[test]
-fn noise_pulls_no_regression_far() {
+fn noise_biases_no_regression_much() {
     let model = Model::base(Robot::amigobot());
     let train = rich(&model, N2, 2, 4);
     for method in methods().iter().filter(|m| !m.intervals_cover()) {

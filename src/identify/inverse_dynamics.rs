@@ -291,7 +291,7 @@ impl<'a> Regression<'a> {
         &self.regressor.linear
     }
 
-    /// Share by which noise in the columns pulls each value of an ordinary least-squares
+    /// Share by which noise in the columns biases each value of an ordinary least-squares
     /// estimate, `-(x'x)⁻¹ (C_xx θ - C_xy)`.
     pub(super) fn bias(&self, values: &DVector<f64>, inverse: &DMatrix<f64>) -> DVector<f64> {
         let width = values.len();
@@ -318,7 +318,7 @@ impl<'a> Regression<'a> {
         Ok(out)
     }
 
-    /// A warning where noise in the columns pulls an estimate by more than its standard error.
+    /// A warning where noise in the columns biases an estimate by more than its standard error.
     pub(super) fn note_of_bias(&self, fit: &mut Fit, bias: &DVector<f64>) {
         let mut biased = Vec::new();
         for (&j, bias) in self.linear().iter().zip(bias.iter()) {

@@ -5,6 +5,9 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 use statrs::function::gamma::{gamma_ur, ln_gamma};
 
+/// The 97.5 % quantile of the standard normal distribution: half the width of a 95 % interval in standard errors.
+pub const NORMAL_95: f64 = 1.96;
+
 /// Quantile of the standard normal distribution at probability `p` in (0, 1).
 ///
 /// # Examples

@@ -2,10 +2,8 @@
 
 use crate::diagnose::{THRESHOLDS, Timing, Untimed};
 use crate::effects::{self, Change};
+use crate::math::distribution::NORMAL_95;
 use crate::report::format;
-
-/// Number of standard errors for an interval of 95 %.
-const INTERVAL: f64 = 1.96;
 
 fn ms(seconds: f64) -> String {
     format::fixed(1e3 * seconds, 1)
@@ -14,12 +12,12 @@ fn ms(seconds: f64) -> String {
 /// Whether the recordings determine the time: its interval of 95 % is not wider than the range in which it is searched.
 #[must_use]
 pub fn is_determined(timing: &Timing) -> bool {
-    2.0 * INTERVAL * timing.std_error_s <= THRESHOLDS.longest_delay_s
+    2.0 * NORMAL_95 * timing.std_error_s <= THRESHOLDS.longest_delay_s
 }
 
 /// Whether the input acts before its time in the log: no dead time, but a shift of the log.
 fn is_early(timing: &Timing) -> bool {
-    timing.dead_time_s < -INTERVAL * timing.std_error_s
+    timing.dead_time_s < -NORMAL_95 * timing.std_error_s
 }
 
 /// What the time is: that from input to motion, or that of the input in the log.
@@ -31,7 +29,7 @@ pub(crate) fn dead_time_name(timing: &Timing) -> &'static str {
 /// The time with its standard error and interval.
 fn value(timing: &Timing) -> String {
     let Timing { dead_time_s, std_error_s, .. } = *timing;
-    let reach = INTERVAL * std_error_s;
+    let reach = NORMAL_95 * std_error_s;
     match is_early(timing) {
         true => format!(
             "the input acts {} ± {} ms before it is recorded (95 %: {} to {} ms)",
@@ -63,7 +61,7 @@ pub fn dead_time(timing: &Timing) -> String {
         ", more than logging explains; the methods estimate it as an input delay, which the model of the file does not \
          contain"
             .to_owned()
-    } else if dead_time_s.abs() > INTERVAL * std_error_s {
+    } else if dead_time_s.abs() > NORMAL_95 * std_error_s {
         "; not corrected in the recordings, because an effect missing from the model may cause it: prediction_error and a \
          diagnosis estimate it with the parameters"
             .to_owned()
@@ -121,7 +119,7 @@ pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> S
     }
     let treatment = if correction_s != 0.0 {
         corrected(timing)
-    } else if dead_time_s.abs() > INTERVAL * std_error_s {
+    } else if dead_time_s.abs() > NORMAL_95 * std_error_s {
         ", as logging can cause; the fits of the diagnosis and of prediction_error estimate it with the parameters"
             .to_owned()
     } else {

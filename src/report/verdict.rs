@@ -77,13 +77,14 @@ pub fn not_determined(why: Undetermined) -> String {
              window of the simulation error.",
             significant(seconds, 2)
         ),
-        Undetermined::Windows { windows } => format!(
-            "Whether an effect is missing cannot be tested: the training recordings have {windows} windows of 1 s, which \
-             determine no parameter in the fit of the diagnosis. The estimates of the methods are those of all rows."
+        Undetermined::Windows { windows, fails } => format!(
+            "{}: the training recordings have {windows} windows of 1 s, which determine no parameter in the fit of the \
+             diagnosis. The estimates of the methods are those of all rows.",
+            untested(fails)
         ),
-        Undetermined::Untested { windows } => format!(
-            "Whether an effect is missing cannot be tested: the validation recordings have {windows} windows of 1 s, too \
-             few for a comparison of two models."
+        Undetermined::Untested { windows, fails } => format!(
+            "{}: the validation recordings have {windows} windows of 1 s, too few for a comparison of two models.",
+            untested(fails)
         ),
         Undetermined::BetweenRows { share, step_s, .. } => format!(
             "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
@@ -91,6 +92,18 @@ pub fn not_determined(why: Undetermined) -> String {
              quality.",
             100.0 * share
         ),
+    }
+}
+
+/// What cannot be tested; `fails`: error over noise floor of the training recordings, if the model fails there.
+fn untested(fails: Option<f64>) -> String {
+    match fails {
+        Some(ratio) => format!(
+            "Something is missing: on the recordings that were fitted the 2 s simulation error is {} times the noise \
+             floor. Which effect it is cannot be tested",
+            significant(ratio, 2)
+        ),
+        None => "Whether an effect is missing cannot be tested".to_owned(),
     }
 }
 
@@ -293,6 +306,16 @@ mod tests {
         };
         assert_eq!(sentence(&stated), OF_COLUMNS);
         assert_eq!(stated.likely(), None);
+    }
+
+    #[test]
+    fn too_few_windows_leave_open_what_is_missing_and_not_that_the_model_fails() {
+        let of = |fails| not_determined(Undetermined::Untested { windows: 2, fails });
+        let few = "the validation recordings have 2 windows of 1 s, too few for a comparison of two models.";
+        assert_eq!(of(None), format!("Whether an effect is missing cannot be tested: {few}"));
+        let fails = "Something is missing: on the recordings that were fitted the 2 s simulation error is 6.1 times the \
+                     noise floor. Which effect it is cannot be tested";
+        assert_eq!(of(Some(6.1)), format!("{fails}: {few}"));
     }
 
     #[test]

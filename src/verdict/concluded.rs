@@ -89,9 +89,13 @@ impl<'a> Concluded<'a> {
         };
         let sufficient = conclusion == Conclusion::Sufficient;
         let unknown = conclusion == Conclusion::Unknown || sufficient && errors.above_floor();
+        let fails = match unknown {
+            true => judge.fails(diagnosis.last(), basis.train)?,
+            false => None,
+        };
         let undetermined = undetermined
-            .or_else(|| of_windows(diagnosis).filter(|_| sufficient || unknown))
-            .or_else(|| untested(diagnosis).filter(|_| unknown));
+            .or_else(|| of_windows(diagnosis, fails).filter(|_| sufficient || unknown))
+            .or_else(|| untested(diagnosis, fails).filter(|_| unknown));
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
             .and_then(|r| {
@@ -225,18 +229,18 @@ impl<'a> Concluded<'a> {
 
 /// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for
 /// example because there are no more windows than parameters.
-fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
+fn of_windows(diagnosis: &Diagnosis, fails: Option<f64>) -> Option<Undetermined> {
     let WindowFit { model, covariance, windows, .. } = diagnosis.last();
     let is_unknown = |j: usize| !covariance[(j, j)].is_finite();
     let free = model.free();
     let none = !free.is_empty() && free.into_iter().all(is_unknown);
-    none.then_some(Undetermined::Windows { windows: *windows })
+    none.then_some(Undetermined::Windows { windows: *windows, fails })
 }
 
 /// Why the judged recordings prove no effect: a test has [fewest_windows](crate::diagnose::Thresholds) at least.
-fn untested(diagnosis: &Diagnosis) -> Option<Undetermined> {
+fn untested(diagnosis: &Diagnosis, fails: Option<f64>) -> Option<Undetermined> {
     let windows = diagnosis.tested;
-    (windows < THRESHOLDS.fewest_windows).then_some(Undetermined::Untested { windows })
+    (windows < THRESHOLDS.fewest_windows).then_some(Undetermined::Untested { windows, fails })
 }
 
 /// Why judged recordings whose speeds hardly change do not determine a model.
@@ -298,18 +302,22 @@ mod tests {
     use crate::robot::Robot;
 
     #[test]
-    fn windows_that_determine_no_parameter_do_not_show_that_nothing_is_missing() {
+    fn windows_that_determine_no_parameter_or_are_too_few_show_nothing_about_effects() {
         let model = Model::base(Robot::amigobot());
         let p = model.initial();
-        let of = |variance: f64| {
+        let with = |variance: f64, tested: usize| {
             let covariance = DMatrix::from_diagonal_element(p.len(), p.len(), variance);
             let (at_bound, windows) = (vec![false; p.len()], 3);
             let (model, p) = (model.clone(), p.clone());
             let base = WindowFit { model, p, cost: 1.0, covariance, at_bound, windows };
             let (ranking, steps, rest) = (vec![], vec![], vec![]);
-            of_windows(&Diagnosis { base, ranking, steps, rest, validated: false, tested: 3 })
+            Diagnosis { base, ranking, steps, rest, validated: false, tested }
         };
-        assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3 }));
+        let of = |variance: f64| of_windows(&with(variance, 30), None);
+        assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3, fails: None }));
         assert_eq!(of(1e-6), None);
+        let few = Undetermined::Untested { windows: 3, fails: Some(2.0) };
+        assert_eq!(untested(&with(1e-6, 3), Some(2.0)), Some(few));
+        assert_eq!(untested(&with(1e-6, 4), Some(2.0)), None);
     }
 }

@@ -11,8 +11,7 @@ use crate::model::Model;
 
 impl Search<'_> {
     /// The model as given with the time of its input, from the start whose fit is lowest, or with the estimates of
-    /// another method that predict the held-out recordings better; above the floor with the parameters that these
-    /// windows determine although the fit of the methods does not ([`Search::released`]).
+    /// another method that predict the held-out recordings better.
     pub(super) fn base(
         &self,
         model: &Model,
@@ -46,7 +45,7 @@ impl Search<'_> {
         }
         let other = lowest(&self.settings.estimates);
         let lower = other.filter(|other| other.cost < THRESHOLDS.most_left * first.cost);
-        Ok(self.released(self.or_estimates(lower.unwrap_or(first))))
+        Ok(self.or_estimates(lower.unwrap_or(first)))
     }
 
     /// The fit, or the estimates of another method that predict the held-out recordings better, by the test that an

@@ -230,7 +230,7 @@ impl Search<'_> {
     }
 
     /// Whether the time of a shift significantly exceeds what logging explains; recordings with fewer windows than
-    /// parameters do not tell its error.
+    /// parameters do not determine its error.
     fn is_late(&self, candidate: &Candidate, fit: &WindowFit) -> bool {
         let j = fit.p.len() - candidate.p.len() + candidate.effect.time();
         let (beyond, error) = (fit.p[j] - self.scale.logging, fit.covariance[(j, j)].sqrt());

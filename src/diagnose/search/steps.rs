@@ -184,7 +184,7 @@ impl Search<'_> {
     /// leaves of the remaining error. An effect that only compensates for the sampling would have to remove the larger
     /// part. A shift acts in the few windows in which the input changes: it must only exceed the smallest share. An
     /// effect that [`Change::acts_between_rows`] must also [lower the error alike](Self::is_alike_at_half_rate) at half
-    /// the rate. If the error before is less than what the sampling seems to leave open, the rows tell more than every
+    /// the rate. If the error before is less than what the sampling seems to leave open, the rows contain more than every
     /// other one of them, as those of a controller that answers to each, and half the rate shows nothing.
     pub(super) fn falling(&self, fits: &[&WindowFit], shown: &[f64]) -> usize {
         let Some(last) = fits.last() else { return 0 };

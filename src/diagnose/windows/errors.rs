@@ -137,7 +137,7 @@ impl Windows<'_> {
     /// (Σ e²/s² - n + 2 √(2 n)) / mean over both ways of Σ (e_half - e)²/s²
     /// ```
     /// n values, whose sum of squares scatters by √(2 n). A controller that answers to each row, even to noise, makes the
-    /// input jump from row to row: the other rows then tell nothing about those that are omitted.
+    /// input jump from row to row: the other rows then contain nothing about those that are omitted.
     pub(in crate::diagnose) fn allowed_sampling(&self, model: &Model, p: &[f64]) -> Option<f64> {
         let [whole, even, odd] = self.errors_by_halves(model, p)?;
         let (mut predicted, mut count) = (0.0, 0.0);

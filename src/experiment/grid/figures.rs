@@ -3,7 +3,7 @@
 use super::curves::{Curves, MOST_SERIES};
 use super::summary::{FEWEST_COVERED, Summary, conditions};
 use crate::experiment::combinations::GridPlan;
-use crate::math::distribution::chi2_quantile;
+use crate::math::distribution::{NORMAL_95, chi2_quantile};
 use crate::report::block::Block;
 use crate::report::figure::{Axis, ColourRole, Dash, Figure, Layer, Panel};
 use crate::report::format;
@@ -87,7 +87,7 @@ fn efficiency_by_chance(n: usize) -> (f64, f64) {
 
 /// 95 % interval of the share of successes in n draws with probability 0.95 [%].
 fn coverage_by_chance(n: usize) -> (f64, f64) {
-    let reach = 1.96 * (0.95 * 0.05 / n as f64).sqrt();
+    let reach = NORMAL_95 * (0.95 * 0.05 / n as f64).sqrt();
     (100.0 * (0.95 - reach), 100.0 * (0.95 + reach).min(1.0))
 }
 

@@ -28,7 +28,7 @@ fn is_held(line: &str) -> bool {
 /// A column for each field and series, and the time.
 pub(super) fn columns(text: &str) -> Columns {
     let points: Vec<Point> = text.lines().filter(|line| is_held(line)).filter_map(point).collect();
-    // what all series have in common says nothing
+    // what all series have in common distinguishes none
     let is_common = |k: usize| points.iter().all(|p| p.series.get(k) == points[0].series.get(k));
     let rows = points.iter().map(|p| {
         let own =

@@ -1,5 +1,6 @@
 //! Curves of a study as points of a figure.
 
+use crate::math::distribution::NORMAL_95;
 use crate::math::median_high;
 use crate::recording::{Regime, is_gap};
 use crate::report::figure::{ColourRole, Layer};
@@ -110,7 +111,7 @@ pub(super) fn failing(study: &Study, recording: &RecordingStudy) -> Option<Layer
 
 /// 95 % band of the noise of a measured speed.
 pub(super) fn noise_band(recording: &RecordingStudy, i: usize) -> Layer {
-    let half = 1.96 * recording.noise.omega[i];
+    let half = NORMAL_95 * recording.noise.omega[i];
     let ends = [recording.t.first(), recording.t.last()];
     Layer::Band {
         x: ends.into_iter().flatten().copied().collect(),

@@ -4,6 +4,7 @@ use super::intervals::intervals;
 use super::{Section, words};
 use crate::compare::{Acting, Curve, CurveBin, Mean};
 use crate::diagnose::THRESHOLDS;
+use crate::math::distribution::NORMAL_95;
 use crate::report::block::{Block, Cell, Column, Table};
 use crate::report::figure::{Axis, ColourRole, Dash, ErrorBar, Figure, Layer, Panel};
 use crate::report::format;
@@ -183,7 +184,7 @@ fn bars(
 ) -> Layer {
     let bar = |bin: &CurveBin| {
         let Mean { value, std_error, .. } = mean(bin)?;
-        let reach = if std_error.is_finite() { 1.96 * std_error } else { 0.0 };
+        let reach = if std_error.is_finite() { NORMAL_95 * std_error } else { 0.0 };
         let (x, y) = (bin.at, value);
         y.is_finite().then_some(ErrorBar { x, y, lower: y - reach, upper: y + reach })
     };
