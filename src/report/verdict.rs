@@ -77,10 +77,10 @@ pub fn not_determined(why: Undetermined) -> String {
              window of the simulation error.",
             significant(seconds, 2)
         ),
-        Undetermined::Windows { windows, fails } => format!(
+        Undetermined::Windows { windows } => format!(
             "{}: the training recordings have {windows} windows of 1 s, which determine no parameter in the fit of the \
              diagnosis. The estimates of the methods are those of all rows.",
-            untested(fails)
+            untested(None)
         ),
         Undetermined::Untested { windows, fails } => format!(
             "{}: the validation recordings have {windows} windows of 1 s, too few for a comparison of two models.",

@@ -19,8 +19,6 @@ pub enum Undetermined {
     Windows {
         /// Number of windows of 1 s.
         windows: usize,
-        /// Error over noise floor of the training recordings, if something is missing according to them.
-        fails: Option<f64>,
     },
     /// The validation recordings have too few windows for a test.
     Untested {

@@ -94,7 +94,7 @@ impl<'a> Concluded<'a> {
             false => None,
         };
         let undetermined = undetermined
-            .or_else(|| of_windows(diagnosis, fails).filter(|_| sufficient || unknown))
+            .or_else(|| of_windows(diagnosis).filter(|_| sufficient || unknown && fails.is_none()))
             .or_else(|| untested(diagnosis, fails).filter(|_| unknown));
         let withheld = withheld(diagnosis, basis.false_alarm)
             .filter(|_| conclusion == Conclusion::Sufficient)
@@ -229,12 +229,12 @@ impl<'a> Concluded<'a> {
 
 /// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for
 /// example because there are no more windows than parameters.
-fn of_windows(diagnosis: &Diagnosis, fails: Option<f64>) -> Option<Undetermined> {
+fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
     let WindowFit { model, covariance, windows, .. } = diagnosis.last();
     let is_unknown = |j: usize| !covariance[(j, j)].is_finite();
     let free = model.free();
     let none = !free.is_empty() && free.into_iter().all(is_unknown);
-    none.then_some(Undetermined::Windows { windows: *windows, fails })
+    none.then_some(Undetermined::Windows { windows: *windows })
 }
 
 /// Why the judged recordings prove no effect: a test has [fewest_windows](crate::diagnose::Thresholds) at least.
@@ -313,8 +313,8 @@ mod tests {
             let (ranking, steps, rest) = (vec![], vec![], vec![]);
             Diagnosis { base, ranking, steps, rest, validated: false, tested }
         };
-        let of = |variance: f64| of_windows(&with(variance, 30), None);
-        assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3, fails: None }));
+        let of = |variance: f64| of_windows(&with(variance, 30));
+        assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3 }));
         assert_eq!(of(1e-6), None);
         let few = Undetermined::Untested { windows: 3, fails: Some(2.0) };
         assert_eq!(untested(&with(1e-6, 3), Some(2.0)), Some(few));
