@@ -70,7 +70,8 @@ impl Forces<'_> {
         if y[2] == 0.0 && y[3] == 0.0 {
             return self.stand(from, to, y, input);
         }
-        let sliding = Self::sliding(&self.level_at(&self.motion(from, y)), y)?;
+        let level = self.level_at(&self.motion(from, y));
+        let sliding = Self::sliding(&level, y)?;
         if let Some(j) = sliding.stuck {
             return self.glide_beside(j, &sliding, (from, to), y, input);
         }
@@ -79,10 +80,11 @@ impl Forces<'_> {
             let at = |t: f64, y: &Vector, torque: [f64; 2]| {
                 times(inverse, &self.remaining_rough(&self.motion(t, y), torque, &sign))
             };
-            let first = at(from, y, input.at(from));
-            return self.slide(from, to, y, input, (sliding, first), at);
+            let resisting = self.resisting(&level, &sign);
+            let left = self.remaining(&self.motion(from, y), input.at(from), &resisting);
+            return self.slide(from, to, y, input, (sliding, times(inverse, &left)), at);
         }
-        let resisting = self.resisting(&self.level, &sign);
+        let resisting = self.resisting(&level, &sign);
         if self.wheel.is_polynomial() {
             let at = |_: f64, y: &Vector, torque: [f64; 2]| {
                 self.acceleration_at([y[2], y[3]], torque, &resisting)
