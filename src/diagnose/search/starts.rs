@@ -146,7 +146,8 @@ impl Search<'_> {
     fn waves(&self, base: WindowFit) -> Option<(WindowFit, Candidate, Aligned)> {
         let mut present = base;
         for round in 0..=self.settings.max_effects {
-            if !self.is_above_floor(present.cost) && !(round == 0 && self.is_periodic(&present)) {
+            let near = !self.is_above_floor(present.cost);
+            if near && (round > 0 || !self.is_periodic(&present)) {
                 return None;
             }
             let held = held_in_time(&present);
