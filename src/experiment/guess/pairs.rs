@@ -237,7 +237,10 @@ pub(super) fn one(
     if all.iter().any(is_sided) {
         return None;
     }
-    let mut found: Vec<&Candidate> = all.iter().filter(fits).collect();
+    let fitting: Vec<&Candidate> = all.iter().filter(fits).collect();
+    // the share of a voltage is left to the voltage
+    let is_share = |c: &&Candidate| fitting.iter().any(|other| shares::is_volts_of(c, other));
+    let mut found: Vec<&Candidate> = fitting.iter().copied().filter(|c| !is_share(c)).collect();
     found.sort_by_key(|c| rank(c));
     // of two in one unit either may be that of a wheel, whatever other words they have
     let kind =
