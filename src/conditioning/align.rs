@@ -15,10 +15,12 @@
 //! as measurements: angles with fewer samples than the speeds are discarded, and vice versa; if one wheel has fewer
 //! samples, its rows are those of the recording.
 
-use super::Conditioned;
+use super::angles;
 use super::cells::{column, keep, put};
+use super::counterpart;
 use super::finding::{Channel, Finding, Kind};
-use super::signal::{changes, median_high};
+use super::signal::{changes, is_increasing, median_high};
+use super::{Conditioned, Context, FEWEST_ROWS, Settings};
 use crate::math::interpolate;
 use crate::recording::{Channels, REGULAR, refreshed};
 
@@ -51,13 +53,18 @@ const FEW: f64 = 0.8;
 /// Part of its range beyond which an angle does not move between two samples, but wraps.
 const WRAP: f64 = 0.5;
 
-/// Discards the angles, or the speeds, if they have fewer samples than the other, or if they are `known` to have fewer
+/// Discards the angles, or the speeds, if they have fewer samples than the other, or if they are known to have fewer
 /// in other recordings of the log; returns the remaining cells.
+///
+/// A coarse sensor has a sample in every row, most of which repeat the last value: the other pair must have fewer samples
+/// and fewer new values too.
 pub(super) fn without_slow_pair(
     work: &mut Conditioned,
     cells: Vec<Cells>,
-    known: Option<SlowPair>,
+    settings: &Settings,
+    context: &Context,
 ) -> Vec<Cells> {
+    let known = context.slow_pair;
     let of = |kind: fn(usize) -> Channel| {
         let of_kind = |c: &&Cells| [kind(0), kind(1)].contains(&c.0);
         cells.iter().filter(of_kind).map(|(_, own)| own.iter().filter(|o| **o).count()).min()
@@ -66,9 +73,17 @@ pub(super) fn without_slow_pair(
         return cells;
     };
     let fewer = if angles < speeds { SlowPair::Angles } else { SlowPair::Speeds };
-    if known.is_none() && angles.min(speeds) as f64 >= FEW * angles.max(speeds) as f64 {
+    let is_fewer = |slow: usize, other: usize| (slow as f64) < FEW * other as f64;
+    let new = |kind: fn(usize) -> Channel| fewest_new_values(work, &cells, kind);
+    let changes = [new(Channel::Angle), new(Channel::Speed)];
+    let is_slow = match fewer {
+        SlowPair::Angles => is_fewer(angles, speeds) && is_fewer(changes[0], changes[1]),
+        SlowPair::Speeds => is_fewer(speeds, angles) && is_fewer(changes[1], changes[0]),
+    };
+    if known.is_none() && !is_slow {
         return cells;
     }
+    let against = disagreement(work, &cells, settings, context);
     let (slow, kind): (_, fn(usize) -> Channel) = match known.unwrap_or(fewer) {
         SlowPair::Angles => {
             work.channels.alpha = None;
@@ -83,7 +98,43 @@ pub(super) fn without_slow_pair(
     for channel in [kind(0), kind(1)] {
         work.findings.push(Finding::corrected(channel, Kind::SlowPair { share }, "rows", true));
     }
+    work.findings.extend(against);
     cells.into_iter().filter(|c| ![kind(0), kind(1)].contains(&c.0)).collect()
+}
+
+/// The samples that differ from the one before, of the sensor of a pair that has the fewest.
+fn fewest_new_values(work: &Conditioned, cells: &[Cells], kind: fn(usize) -> Channel) -> usize {
+    let of_kind = cells.iter().filter(|c| [kind(0), kind(1)].contains(&c.0));
+    let new = of_kind.map(|(channel, own)| {
+        let values = column(&work.channels, *channel).into_iter().zip(own);
+        let read: Vec<f64> = values.filter(|(_, own)| **own).map(|(value, _)| value).collect();
+        changes(&read).len()
+    });
+    new.min().unwrap_or(0)
+}
+
+/// What the angles and the speeds show against each other, both read in the same rows: the last time that both of them
+/// are there.
+fn disagreement(
+    work: &Conditioned,
+    cells: &[Cells],
+    settings: &Settings,
+    context: &Context,
+) -> Vec<Finding> {
+    let is_sensor = |c: &&Cells| matches!(c.0, Channel::Angle(_) | Channel::Speed(_));
+    let sensors: Vec<Cells> = cells.iter().filter(is_sensor).cloned().collect();
+    let mut both = Conditioned { channels: work.channels.clone(), findings: vec![] };
+    align(&mut both, &sensors, |_| true, true);
+    if both.channels.t.len() < FEWEST_ROWS || !is_increasing(&both.channels.t) {
+        return vec![];
+    }
+    // rows of other messages have no input
+    both.channels.torque.iter_mut().flatten().filter(|m| m.is_nan()).for_each(|m| *m = 0.0);
+    angles::unwrap(&mut both, settings);
+    both.findings.clear();
+    let as_recorded = Settings { units: false, signs: false, ..*settings };
+    counterpart::units_and_signs(&mut both, &as_recorded, context);
+    both.findings
 }
 
 /// Keeps the rows in which the sensor with the most samples has one, or the measured input with fewer, and reads
@@ -237,7 +288,7 @@ fn between(t: &[f64], values: &[f64], own: &[bool], most: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Context, Settings, condition};
+    use super::super::condition;
     use super::*;
 
     /// Messages in rows of their own: sensors every 20 ms, currents every 50 ms between them.

@@ -4,7 +4,7 @@
 //! ```text
 //! rows       newest first | without a value | of a repeated or backward time | of a restarted clock
 //!            | of a coarse clock | stamped in batches | whose stamps scatter
-//! columns    slower than the rows | at rates of their own | read in turn
+//! columns    written on change | slower than the rows | at rates of their own | read in turn
 //! angles     wrapped at a turn or a power of two of counts | reset
 //! samples    late in a row that repeats the last one
 //! channels   isolated wrong samples
@@ -31,6 +31,7 @@ mod held_input;
 mod input;
 mod jitter;
 mod lost;
+mod on_change;
 mod rates;
 mod rows;
 mod sensors;
@@ -113,6 +114,7 @@ pub fn condition(
 ) -> Result<Conditioned, ConditioningError> {
     let mut work = Conditioned { channels, findings: vec![] };
     rows::newest_first(&mut work, settings);
+    on_change::hold(&mut work, settings);
     rows::values(&mut work, settings, context);
     rows::times(&mut work, settings, context);
     let t = &work.channels.t;

@@ -22,7 +22,7 @@ pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Conte
     if !settings.rows {
         return;
     }
-    let cells = without_slow_pair(work, cells, context.slow_pair);
+    let cells = without_slow_pair(work, cells, settings, context);
     let alike = are_alike(&cells);
     if !alike && !context.commanded {
         align(work, &cells, |_| true, context.commanded);
@@ -79,6 +79,7 @@ fn are_alike(cells: &[Cells]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::finding::Kind;
     use super::super::{SlowPair, condition};
     use super::*;
     use crate::recording::Channels;
@@ -151,5 +152,42 @@ mod tests {
         let known = Context { slow_pair: Some(SlowPair::Speeds), ..commanded };
         let alike = condition(log([4; 4]), &Settings::default(), &known).unwrap();
         assert!(alike.channels.omega.is_none());
+    }
+
+    #[test]
+    fn speeds_that_change_as_often_as_the_steps_of_an_encoder_stay() {
+        // 16 counts per turn, and speeds from the time between two of them
+        let step = std::f64::consts::TAU / 16.0;
+        let t: Vec<f64> = (0..400).map(|k| 0.015 * f64::from(k)).collect();
+        let angle = |t: f64, i: usize| (12.0 + i as f64) * (t - 0.4 * (1.5 * t).sin() / 1.5);
+        let rows = 0..t.len();
+        let counted = |k: usize, i: usize| step * (angle(t[k], i) / step).floor();
+        let alpha: Vec<[f64; 2]> = rows.map(|k| [0, 1].map(|i| counted(k, i))).collect();
+        let mut omega = vec![[0.0; 2]; t.len()];
+        let speed = |k: usize, i: usize| (12.0 + i as f64) * (1.0 - 0.4 * (1.5 * t[k]).cos());
+        let is_new = |k: usize, i: usize| alpha[k][i] != alpha[k - 1][i];
+        for k in 1..t.len() {
+            let last = omega[k - 1];
+            omega[k] = [0, 1].map(|i| if is_new(k, i) { 1.2 * speed(k, i) } else { last[i] });
+        }
+        let torque = t.iter().map(|t| [10.0 + (1.5 * t).sin(); 2]).collect();
+        let made = Channels { t, alpha: Some(alpha), omega: Some(omega), torque };
+        let commanded = Context { commanded: true, ..Context::default() };
+        let done = condition(made.clone(), &Settings::default(), &commanded).unwrap();
+        assert!(done.channels.omega.is_some() && done.channels.alpha.is_some());
+        let gains = |found: &Conditioned| {
+            let gains = found.findings.iter().filter_map(|f| match f.kind {
+                Kind::Gain { ratio, .. } => Some(ratio),
+                _ => None,
+            });
+            gains.collect::<Vec<_>>()
+        };
+        assert_eq!(gains(&done).len(), 2, "{:?}", done.findings);
+        // what the two show against each other is stated where one of them is left out too
+        let known = Context { slow_pair: Some(SlowPair::Speeds), ..commanded };
+        let done = condition(made, &Settings::default(), &known).unwrap();
+        assert!(done.channels.omega.is_none());
+        let found = gains(&done);
+        assert!(found.len() == 2 && found.iter().all(|r| (r - 1.2).abs() < 0.03), "{found:?}");
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
         missing as f64 > SPARSE * count as f64 && missing < count
     };
     if cells.iter().any(is_sparse) {
-        let cells = without_slow_pair(work, cells, context.slow_pair);
+        let cells = without_slow_pair(work, cells, settings, context);
         align(work, &cells, is_sparse, context.commanded);
     }
     let channels = columns(&work.channels);

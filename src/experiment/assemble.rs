@@ -157,11 +157,9 @@ pub(super) fn assembled(
 ) -> Plan {
     let PlanOptions { title, methods, diagnosis, hold, gain, conditioning, robot_is_built, seed } =
         options;
-    let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
-    let opposed = super::remarks::opposed(&speeds.collect::<Vec<_>>());
+    let opposed = super::remarks::opposed_wheels(&recordings);
     let no_track = has_no_track(model.robot())
         .then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
-    let opposed = opposed.map(|share| Remark::Opposed { share });
     let input = recordings.first().map(|m| m.recording.drive_unit());
     let without = input.map_or(vec![], |input| super::remarks::without_effects(&model, input));
     let name_of = |k: usize| recordings[k].recording.name().to_owned();

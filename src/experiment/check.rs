@@ -11,7 +11,7 @@ use crate::diagnose::Untimed;
 use crate::identify::start::start;
 use crate::identify::{IdentifyError, Task};
 use crate::io::exists;
-use crate::recording::{Finding, Issue, StatedIssue};
+use crate::recording::StatedIssue;
 use crate::report::{dead_time, dead_time_advice, no_dead_time};
 use crate::robot::Robot;
 use crate::study::Role;
@@ -130,9 +130,7 @@ fn conditioning(plan: &Plan, out: &mut String) {
     }
 }
 
-/// Findings of the quality check; the gaps between the windows of a long recording are not reported.
+/// The notes of the quality check.
 fn notes(measured: &MeasuredRecording, robot: &Robot) -> Vec<StatedIssue> {
-    let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
-    let notes = super::quality::notes(&measured.recording, robot).into_iter();
-    notes.filter(|note| !between(note)).map(|note| note.issue.stated()).collect()
+    super::quality::notes(measured, robot).into_iter().map(|note| note.issue.stated()).collect()
 }

@@ -149,7 +149,10 @@ fn describe(
 ) -> Result<RecordingStudy, SimulateError> {
     let floor = if detail == Detail::Report { noise_floor } else { window_floor };
     let floor = floor(dynamics, &measured.recording, plan.hold, plan.seed)?;
-    Ok(described(plan, measured, floor))
+    let described = described(plan, measured, floor);
+    // the rows of a grid do not contain them
+    let notes = if detail == Detail::Report { described.notes } else { vec![] };
+    Ok(RecordingStudy { notes, ..described })
 }
 
 /// A recording with the error of the correct model on it.
@@ -166,6 +169,7 @@ fn described(plan: &Plan, measured: &MeasuredRecording, floor: Floor) -> Recordi
         noise: r.noise(),
         conditioning: measured.conditioning.clone(),
         findings: measured.findings.clone(),
+        notes: super::quality::notes(measured, plan.model.robot()),
         floor,
         t: r.t().to_vec(),
         alpha: r.alpha().to_vec(),

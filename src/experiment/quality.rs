@@ -1,17 +1,37 @@
 //! Findings of the quality check, by severity.
 
-use crate::recording::{Finding, Recording, Severity, quality};
+use super::source::MeasuredRecording;
+use crate::conditioning::{self, Channel, Kind};
+use crate::recording::{Finding, Issue, Recording, Severity, quality};
 use crate::robot::Robot;
 
-/// The warnings and problems of a recording, the most severe first.
-pub(super) fn findings(recording: &Recording, robot: &Robot) -> Vec<Finding> {
-    quality(recording, robot).at_least(Severity::Warning).copied().collect()
+/// The warnings and problems of a recording, the most severe first, without what its conditioning states.
+pub(super) fn findings(
+    recording: &Recording,
+    robot: &Robot,
+    conditioning: &[conditioning::Finding],
+) -> Vec<Finding> {
+    let found = quality(recording, robot).at_least(Severity::Warning).copied().collect();
+    without_stated(found, conditioning)
 }
 
-/// The notes on a recording.
-pub(super) fn notes(recording: &Recording, robot: &Robot) -> Vec<Finding> {
-    let notes = quality(recording, robot).findings.into_iter();
-    notes.filter(|f| f.severity == Severity::Note).collect()
+/// The notes on a recording; the gaps between the windows of a long one are none.
+pub(super) fn notes(measured: &MeasuredRecording, robot: &Robot) -> Vec<Finding> {
+    let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
+    let notes = quality(&measured.recording, robot).findings.into_iter();
+    notes.filter(|f| f.severity == Severity::Note && !between(f)).collect()
+}
+
+/// Leaves out the ratio of a speed to the slope of its angle where conditioning states it: that is the more accurate
+/// estimate, with a standard error.
+fn without_stated(found: Vec<Finding>, conditioning: &[conditioning::Finding]) -> Vec<Finding> {
+    let is_stated = |issue: &Issue| {
+        conditioning.iter().any(|f| match (f.channel, f.kind, issue) {
+            (Channel::Speed(i), Kind::Gain { .. }, Issue::Ratio { wheel, .. }) => i == *wheel,
+            _ => false,
+        })
+    };
+    found.into_iter().filter(|f| !is_stated(&f.issue)).collect()
 }
 
 /// Whether no recording has any input, so that the parameters are identifiable only up to a common factor.
@@ -50,7 +70,7 @@ mod tests {
         let files = recordings(folder)?;
         let read = |f: &PathBuf| read_recording(f, &map, unit).unwrap().0;
         let said = |r: Recording| {
-            let found = findings(&r, &Robot::amigobot());
+            let found = findings(&r, &Robot::amigobot(), &[]);
             found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
         };
         Some(files.iter().map(read).map(said).collect())
@@ -92,5 +112,18 @@ mod tests {
             ("M2", "tau"),
         ];
         assert_eq!(said("emps", &axis, DriveUnit::NewtonMetre).unwrap(), ["", ""]);
+    }
+
+    #[test]
+    fn a_ratio_is_stated_once() {
+        use crate::conditioning::{Action, Finding as Corrected};
+        let ratio = |wheel| Finding {
+            severity: Severity::Warning,
+            issue: Issue::Ratio { wheel, ratio: 1.22, radius: 0.1 },
+        };
+        let kind = Kind::Gain { ratio: 1.21, std_error: 0.01 };
+        let gain = Corrected { channel: Channel::Speed(1), kind, action: Action::Noted };
+        assert_eq!(without_stated(vec![ratio(0), ratio(1)], &[gain]), [ratio(0)]);
+        assert_eq!(without_stated(vec![ratio(1)], &[]), [ratio(1)]);
     }
 }

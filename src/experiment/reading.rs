@@ -128,7 +128,7 @@ impl Reading {
                 (recording, None, sha256, findings)
             }
         };
-        let mut findings = super::quality::findings(&recording, &self.robot);
+        let mut findings = super::quality::findings(&recording, &self.robot, &conditioning);
         if let Some(long) = &long {
             findings.insert(0, super::long::finding(&recording, long));
         }
@@ -144,7 +144,7 @@ impl Reading {
     ) -> Result<MeasuredRecording, Meaning> {
         let raw = table_channels(name, columns, &self.columns)?;
         let (recording, conditioning) = self.conditioned(raw)?;
-        let findings = super::quality::findings(&recording, &self.robot);
+        let findings = super::quality::findings(&recording, &self.robot, &conditioning);
         Ok(MeasuredRecording { role, recording, long: None, sha256: None, conditioning, findings })
     }
 

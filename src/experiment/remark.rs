@@ -57,6 +57,8 @@ pub enum Remark {
     Opposed {
         /// Share of these rows \[1\].
         share: f64,
+        /// The wheel, from 0, whose angle conditioning inverted because speed and input have the other sign.
+        inverted: Option<usize>,
     },
 }
 
@@ -133,7 +135,15 @@ impl fmt::Display for Remark {
                 "no recording on which errors are judged lasts {WINDOW} s: a simulation of the {WINDOW} s simulation error is as long as its \
                  recording, {longest_s:.2} s at most"
             ),
-            Self::Opposed { share } => write!(
+            Self::Opposed { share, inverted: Some(wheel) } => write!(
+                f,
+                "the wheels turn against each other in {:.0} % of the rows, because the sign of alpha{1} was inverted, which \
+                 contradicts dalpha{1} and M{1}. If both angles have the right sign, write scale = -1 in dalpha{1} and \
+                 M{1}, and not in alpha{1}",
+                100.0 * share,
+                wheel + 1
+            ),
+            Self::Opposed { share, inverted: None } => write!(
                 f,
                 "{} Then write scale = -1 in every column of that wheel",
                 mirrored_question(*share)

@@ -3,6 +3,8 @@
 use toml::{Table, Value};
 
 use super::remark::{FixedMovement, Remark};
+use super::source::MeasuredRecording;
+use crate::conditioning::{Action, Channel, Finding, Kind};
 use crate::effects;
 use crate::model::Model;
 use crate::recording::{DriveUnit, Recording, shows_no_motion};
@@ -92,6 +94,20 @@ pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<f64> {
     (share > OPPOSED).then_some(share)
 }
 
+/// The remark on wheels that nearly always turn in opposite directions, with the wheel whose angle was inverted because
+/// its speed and its input have the other sign.
+pub(super) fn opposed_wheels(recordings: &[MeasuredRecording]) -> Option<Remark> {
+    let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
+    let share = opposed(&speeds.collect::<Vec<_>>())?;
+    let inverted = recordings.iter().flat_map(|m| &m.conditioning).find_map(|f| match f {
+        Finding { channel: Channel::Angle(i), kind: Kind::Sign, action: Action::Corrected(_) } => {
+            Some(*i)
+        }
+        _ => None,
+    });
+    Some(Remark::Opposed { share, inverted })
+}
+
 /// Recordings at rest.
 pub(super) const NO_MOTION: &str = "the wheels do not move in any training recording: their angles and speeds are \
                                     constant, or noise that is not correlated with the input. Record a motion of \
@@ -138,5 +154,11 @@ mod tests {
         assert_eq!(said(&format!("[emulator]\ngain = 2\n{method}")), "");
         assert_eq!(said(&format!("[emulator]\npoles = [-1.0, -2.0]\n{method}")), "");
         assert_eq!(said(&format!("{zero}[[method]]\nname = \"output_error\"\n")), "");
+    }
+
+    #[test]
+    fn of_an_inverted_angle_the_remark_names_the_columns_with_the_wrong_sign() {
+        let said = Remark::Opposed { share: 1.0, inverted: Some(0) }.to_string();
+        assert!(said.contains("write scale = -1 in dalpha1 and M1, and not in alpha1"), "{said}");
     }
 }

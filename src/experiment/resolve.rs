@@ -357,7 +357,7 @@ fn simulated(
             let recording = drive.recorded(&name, &recorder)?;
             let findings = match drives {
                 Some(_) => vec![],
-                None => super::quality::findings(&recording, robot),
+                None => super::quality::findings(&recording, robot, &[]),
             };
             let (long, sha256, conditioning) = (None, None, vec![]);
             Ok(MeasuredRecording { role, recording, long, sha256, conditioning, findings })

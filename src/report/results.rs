@@ -68,7 +68,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                     "M1": r.noise.torque[0], "M2": r.noise.torque[1],
                 },
                 "conditioning": r.conditioning.iter().map(conditioning).collect::<Vec<_>>(),
-                "findings": sentences(&r.findings),
+                "findings": sentences(&[&r.findings[..], &r.notes].concat()),
                 "dead_time_s": study.timing.ok().map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
                     "determined": is_determined(&t),

@@ -80,6 +80,8 @@ pub struct RecordingStudy {
     pub conditioning: Vec<Finding>,
     /// Findings of the quality check, the most severe first.
     pub findings: Vec<recording::Finding>,
+    /// Its notes, which do not affect the results.
+    pub notes: Vec<recording::Finding>,
     /// Error of the correct model.
     pub floor: Floor,
     /// Time \[s\].

@@ -21,6 +21,11 @@ pub enum Kind<C = usize, R = f64> {
         /// Part of the rows that have a value \[1\].
         share: R,
     },
+    /// A column whose cells are written only when the value changes; the last value is held.
+    OnChange {
+        /// Part of the rows without a value \[1\].
+        share: R,
+    },
     /// Angles or speeds with fewer samples than the other; left out.
     SlowPair {
         /// Part of the rows that have a new value \[1\].
@@ -297,6 +302,7 @@ impl Kind {
             Self::MissingValues { rows, .. } => ("missing_values", rows as f64, "rows"),
             Self::SparseColumn { share } => ("sparse_column", share, "1"),
             Self::HeldColumn { share } => ("held_column", share, "1"),
+            Self::OnChange { share } => ("on_change", share, "1"),
             Self::SlowPair { share } => ("slow_pair", share, "1"),
             Self::OwnRows { share } => ("own_rows", share, "1"),
             Self::ReadTogether { share } => ("read_together", share, "1"),

@@ -17,6 +17,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             }
             Self::SparseColumn { share } => Kind::SparseColumn { share: real(share) },
             Self::HeldColumn { share } => Kind::HeldColumn { share: real(share) },
+            Self::OnChange { share } => Kind::OnChange { share: real(share) },
             Self::SlowPair { share } => Kind::SlowPair { share: real(share) },
             Self::OwnRows { share } => Kind::OwnRows { share: real(share) },
             Self::ReadTogether { share } => Kind::ReadTogether { share: real(share) },

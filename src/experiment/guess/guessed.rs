@@ -58,6 +58,8 @@ pub(in crate::experiment) enum About {
     Period,
     /// Columns of an input that never change.
     StillInput,
+    /// Which of several columns are those of the two wheels, by the key of the right one.
+    Which(&'static str),
     /// Anything else.
     Other,
 }
@@ -87,6 +89,11 @@ impl Guess {
         questions: impl IntoIterator<Item = impl Into<Question>>,
     ) {
         self.questions.extend(questions.into_iter().map(Into::into));
+    }
+
+    /// Whether it is asked which of several columns are the motion of the wheels: by this key of the right one.
+    pub(in crate::experiment) fn asks_which(&self, key: &'static str) -> bool {
+        self.questions.iter().any(|question| question.about == About::Which(key))
     }
 
     /// Removes the questions about this.

@@ -2,11 +2,12 @@
 
 use super::guessed::{Guess, Guessed};
 use super::heading::{Turned, turned};
+use super::values::is_never_negative;
 use crate::experiment::remark::{Remark, mirrored_question};
 use crate::experiment::remarks::opposed;
 use crate::io::PreviewColumn;
-use crate::math::correlation;
 use crate::math::noise::white_noise_variance;
+use crate::math::{correlation, sgn};
 
 /// Names of a rate of turning about the vertical, letters and numbers alone.
 const TURNING: [&str; 8] = [
@@ -71,9 +72,16 @@ pub(super) fn apply(columns: &[PreviewColumn], guess: &mut Guess) {
     }
     let rows: Vec<[f64; 2]> = w1.iter().zip(&w2).map(|(a, b)| [*a, *b]).collect();
     let Some(share) = opposed(&rows) else { return };
+    if let Some(wheel) = of_angles(guess, of).and_then(|angles| wrong_speed(angles, [&w1, &w2])) {
+        let (input, speed) = if wheel == '2' { (&input2, &w2) } else { (&input1, &w1) };
+        // a magnitude has the sign of neither
+        let has_sign =
+            input.as_ref().is_some_and(|m| !is_never_negative(m) && work(m, speed) > 0.0);
+        return turn_speed(guess, wheel, has_sign);
+    }
     if !(drives(&input1, &w1) && drives(&input2, &w2) && mirror_each_other(&rows)) {
         // only one sign is wrong, which conditioning reports; or the two wheels move independently
-        guess.ask(Remark::Opposed { share }.to_string());
+        guess.ask(Remark::Opposed { share, inverted: None }.to_string());
         return;
     }
     let mut scales = vec![];
@@ -113,6 +121,50 @@ fn is_no_veer(w1: &[f64], w2: &[f64]) -> bool {
         (square - noise).max(0.0).sqrt()
     };
     size(-1.0) > SAME * size(1.0)
+}
+
+/// The angles of two wheels as logged.
+fn of_angles(
+    guess: &Guess,
+    of: impl Fn(&Guess, &str) -> Option<(String, Vec<f64>)>,
+) -> Option<[Vec<f64>; 2]> {
+    Some([of(guess, "alpha1")?.1, of(guess, "alpha2")?.1])
+}
+
+/// The wheel whose speed has the opposite sign of its angle, if the angles of both wheels turn in the same direction:
+/// then the sign of this speed is wrong, and the wheels do not turn against each other.
+fn wrong_speed(angles: [Vec<f64>; 2], speeds: [&[f64]; 2]) -> Option<char> {
+    let [right, left] = &angles;
+    let known: Vec<usize> = (0..right.len().min(left.len()))
+        .filter(|&k| right[k].is_finite() && left[k].is_finite())
+        .collect();
+    let step = |w: &[usize], i: usize| angles[i][w[1]] - angles[i][w[0]];
+    let against: Vec<[f64; 2]> = known.windows(2).map(|w| [step(w, 0), -step(w, 1)]).collect();
+    opposed(&against)?;
+    let agrees = |i: usize| {
+        let signs = known.windows(2).filter(|w| speeds[i].get(w[1]).is_some_and(|w| w.is_finite()));
+        signs.map(|w| sgn(step(w, i)) * sgn(speeds[i][w[1]])).sum::<f64>() > 0.0
+    };
+    match [agrees(0), agrees(1)] {
+        [false, true] => Some('1'),
+        [true, false] => Some('2'),
+        _ => None,
+    }
+}
+
+/// Inverts the speed of a wheel, and its input if that has the sign of the speed.
+fn turn_speed(guess: &mut Guess, wheel: char, with_input: bool) {
+    let angle = guess.columns.iter().find(|c| c.key.starts_with('a') && is_of(c, wheel));
+    let why = format!(
+        "mirrored: opposite to `{}`, and the angles of the wheels turn in the same direction",
+        angle.map_or("", |c| c.name.as_str())
+    );
+    for one in guess.columns.iter_mut().filter(|c| is_of(c, wheel)) {
+        if one.key.starts_with('d') || with_input && one.key.starts_with('M') {
+            one.scale = Some(-one.scale.unwrap_or(1.0));
+            one.evidence.push(why.clone());
+        }
+    }
 }
 
 /// Whether the wheels have opposite speeds in many rows, as on a straight run with a mirrored motor.
@@ -212,5 +264,31 @@ mod tests {
         let asked = log(-1.0, false).asked();
         assert!(asked.contains("mirrored") && asked.contains("`left_A` -1.0 or 1.0"), "{asked}");
         assert_eq!(scales(&log(1.0, false)), [(None, false); 4]);
+    }
+
+    #[test]
+    fn a_speed_against_its_angle_is_inverted_where_the_angles_agree() {
+        let of = |volts: f64| {
+            let column = |name: &str, of: &dyn Fn(f64) -> f64| PreviewColumn {
+                name: name.into(),
+                values: (0..400).map(|k| of(0.05 * f64::from(k))).collect(),
+                ..PreviewColumn::default()
+            };
+            guess(&[
+                column("t", &|t| t),
+                column("right_rad", &|t| 5.0 * t - t.cos()),
+                column("left_rad", &|t| 5.0 * t + t.cos()),
+                column("right_rad_s", &|t| -5.0 - t.sin()),
+                column("left_rad_s", &|t| 5.0 - t.sin()),
+                column("right_V", &|t| volts * (5.0 + t.sin())),
+                column("left_V", &|t| 5.0 - t.sin()),
+            ])
+        };
+        // angles, speeds, voltages; a voltage that is mirrored too, and one that is not
+        let (none, turned) = ((None, false), (Some(-1.0), false));
+        assert_eq!(scales(&of(-1.0)), [none, none, turned, none, turned, none]);
+        assert_eq!(scales(&of(1.0)), [none, none, turned, none, none, none]);
+        assert!(of(-1.0).questions.is_empty(), "{}", of(-1.0).asked());
+        assert!(of(-1.0).words().contains("opposite to `right_rad`"), "{}", of(-1.0).words());
     }
 }

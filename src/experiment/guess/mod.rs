@@ -88,7 +88,8 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
         }
     }
     let are_several = pairs.are_several;
-    out.ask_all(pairs.questions.into_iter().chain(owners));
+    out.ask_all(pairs.questions);
+    out.ask_all(owners);
     let directions = directions::Directions::of(columns);
     wheels.add_to(&mut out, columns, &directions);
     complete(&all, columns, &mut out);

@@ -42,15 +42,22 @@ pub(super) fn are_of_one_side(a: &Named, b: &Named) -> bool {
     let differ: Vec<(&String, &String)> =
         a.rest.iter().zip(&b.rest).filter(|(a, b)| a != b).collect();
     let other = || b.rest.iter().position(|word| OTHERS.contains(&word.as_str()));
-    same && match (a.rest.len(), &differ[..]) {
-        (n, [(x, y)]) if n == b.rest.len() => is_place(x) && is_place(y),
-        (n, _) if n + 1 == b.rest.len() => other().is_some_and(|k| {
-            let mut rest = b.rest.clone();
-            rest.remove(k);
-            rest == a.rest
-        }),
-        _ => false,
-    }
+    let has_place = |n: &Named| n.rest.iter().any(|word| PLACES.contains(&word.as_str()));
+    let others = |n: &Named| -> Vec<String> {
+        n.rest.iter().filter(|word| !is_place(word)).cloned().collect()
+    };
+    // `master`, `slave 1` and `slave 2`
+    let are_places = has_place(a) && has_place(b) && a.rest != b.rest && others(a) == others(b);
+    same && (are_places
+        || match (a.rest.len(), &differ[..]) {
+            (n, [(x, y)]) if n == b.rest.len() => is_place(x) && is_place(y),
+            (n, _) if n + 1 == b.rest.len() => other().is_some_and(|k| {
+                let mut rest = b.rest.clone();
+                rest.remove(k);
+                rest == a.rest
+            }),
+            _ => false,
+        })
 }
 
 /// The other columns of the same quantity and side, without those that never change.

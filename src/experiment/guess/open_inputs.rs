@@ -30,7 +30,8 @@ fn share_of(values: &[f64]) -> &'static str {
 pub(super) fn question(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     let of = |key: &str| guess.columns.iter().find(|c| c.key == key).map(|c| &c.name);
     let are_wheels = |[right, left]: [&str; 2]| of(right).is_some() && of(right) != of(left);
-    if !are_wheels(ANGLES) && !are_wheels(SPEEDS) {
+    let is_asked = [ANGLES, SPEEDS].iter().any(|[right, _]| guess.asks_which(right));
+    if !is_asked && !are_wheels(ANGLES) && !are_wheels(SPEEDS) {
         return None;
     }
     let is_used = |c: &PreviewColumn| guess.columns.iter().any(|g: &Guessed| g.name == c.name);
@@ -108,6 +109,10 @@ mod tests {
         assert!(asked.contains("is `rightCommand` the input of the right wheel"), "{asked}");
         let asked = questions(&["RPM_R", "RPM_L", "PWM_percent"]);
         assert!(asked.contains("`PWM_percent` is the only input: do both wheels"), "{asked}");
+        let asked = questions(&["Enc1", "Enc2", "Enc3", "PWM"]);
+        assert!(asked.contains("which of `Enc1`, `Enc2`, `Enc3` are those"), "{asked}");
+        assert!(asked.contains("`PWM` is the only input: do both wheels"), "{asked}");
+        assert!(!asked.contains("which columns hold"), "{asked}");
         let asked = questions(&["RPM_R", "RPM_L", "a_l", "a_r", "b_l", "b_r"]);
         assert!(!asked.contains("is `"), "{asked}");
     }

@@ -1,6 +1,6 @@
 //! Columns that belong together: the same quantity at the right and at the left wheel.
 
-use super::guessed::{Candidate, Guessed};
+use super::guessed::{About, Candidate, Guessed, Question};
 use super::names::{MEASURED, Quantity, Side};
 use super::samples::never_varies;
 use super::shafts;
@@ -23,7 +23,7 @@ const ADDED: &str = "; of several motors of a side one as name, and the others a
 /// Finds pairs, and collects the questions on those that are not used.
 pub(super) struct Pairs<'a, 'b> {
     all: &'a [Candidate<'b>],
-    pub(super) questions: Vec<String>,
+    pub(super) questions: Vec<Question>,
     /// Whether there are more wheels or motors than two.
     pub(super) are_several: bool,
 }
@@ -50,23 +50,25 @@ impl<'a, 'b> Pairs<'a, 'b> {
         let (pair, others) = best(&fits, keys)?;
         if !others.is_empty() {
             self.are_several = true;
-            self.questions.push(format!(
+            let text = format!(
                 "which of {} are those of the right and of the left wheel ({}, {})? Write them in place of \"?\"{}",
                 listed(&[&[pair.0, pair.1], &others[..]].concat()),
                 keys[0],
                 keys[1],
                 if matches!(quantity, Quantity::Torque | Quantity::Current) { ADDED } else { "" }
-            ));
+            );
+            self.questions.push(Question { about: About::Which(keys[0]), text });
             return None;
         }
         let is_motion = matches!(quantity, Quantity::Angle | Quantity::Speed);
         if is_motion && pair.0.named.wished && !is_exact(pair.0, keys) {
-            self.questions.push(format!(
+            let text = format!(
                 "{} are set-points by their names: which columns contain the measured values ({}, {})?",
                 listed(&[pair.0, pair.1]),
                 keys[0],
                 keys[1]
-            ));
+            );
+            self.questions.push(text.into());
             return None;
         }
         Some(guessed(pair, keys))
@@ -215,7 +217,7 @@ fn lettered<'a, 'b>(fits: &[&'a Candidate<'b>]) -> Option<Two<'a, 'b>> {
 
 /// The one column of a quantity, for both wheels: that of a wheel, else of a motor, with the fewest other words.
 /// Set-points come last, and are never used as the motion, nor is a column of one value: a counter of a logger that is
-/// not connected.
+/// not connected. Of a voltage and its share of the battery voltage the voltage is used.
 pub(super) fn one(
     all: &[Candidate],
     quantity: Quantity,
@@ -237,7 +239,10 @@ pub(super) fn one(
     if all.iter().any(is_sided) {
         return None;
     }
-    let mut found: Vec<&Candidate> = all.iter().filter(fits).collect();
+    let fitting: Vec<&Candidate> = all.iter().filter(fits).collect();
+    // the share of a voltage is left to the voltage
+    let is_share = |c: &&Candidate| fitting.iter().any(|other| shares::is_volts_of(c, other));
+    let mut found: Vec<&Candidate> = fitting.iter().copied().filter(|c| !is_share(c)).collect();
     found.sort_by_key(|c| rank(c));
     // of two in one unit either may be that of a wheel, whatever other words they have
     let kind =

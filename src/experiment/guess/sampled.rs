@@ -47,7 +47,8 @@ pub(super) fn order(
 /// Whether a column states volts and has both signs.
 fn is_in_volts(columns: &[PreviewColumn], one: &Guessed) -> bool {
     let values = values_of(columns, &one.name);
-    let is_stated = matches!(named(&one.name).unit, Some("V" | "mV"));
+    let name = named(&one.name);
+    let is_stated = matches!(name.unit, Some("V" | "mV")) || name.word.starts_with("volt");
     is_stated && !is_share_word(&one.name) && !is_never_negative(values)
 }
 
@@ -90,5 +91,32 @@ mod tests {
             "{}",
             slow.words()
         );
+    }
+
+    #[test]
+    fn volts_that_only_a_word_states_and_currents_of_three_motors() {
+        let log = |with_volts: bool| {
+            let column = |(name, shift): (String, f64)| PreviewColumn {
+                name,
+                values: (0..400).map(|k| (0.05 * f64::from(k) + shift).sin()).collect(),
+                ..PreviewColumn::default()
+            };
+            let motors = ["Master Current", "Slave 1 Current", "Slave 2 Current", "Speed rpm"];
+            let volts = ["Voltage"].into_iter().filter(|_| with_volts);
+            let names = motors.into_iter().chain(volts);
+            let named = names.flat_map(|n| [format!("Left {n}"), format!("Right {n}")]);
+            let mut log: Vec<PreviewColumn> =
+                named.enumerate().map(|(k, name)| column((name, 0.1 * k as f64))).collect();
+            let values = (0..400).map(|k| 0.1 * f64::from(k)).collect();
+            log.push(PreviewColumn { name: "t".into(), values, ..PreviewColumn::default() });
+            let g = guess(&log);
+            let input = g.columns.into_iter().find(|c| c.key == "M1").unwrap();
+            (input.name, input.plus, g.drive_unit)
+        };
+        let (name, plus, unit) = log(true);
+        assert_eq!((name.as_str(), plus.len(), unit), ("Right Voltage", 0, DriveUnit::Volt));
+        let (name, plus, unit) = log(false);
+        assert_eq!((name.as_str(), unit), ("Right Master Current", DriveUnit::Ampere));
+        assert_eq!(plus, ["Right Slave 1 Current", "Right Slave 2 Current"]);
     }
 }

@@ -64,4 +64,31 @@ mod tests {
         // the voltage of the supply, which every controller measures
         assert_eq!(name(&of(|x| 12.0 - x * x)), "right_pwm_percent");
     }
+
+    #[test]
+    fn of_one_motor_too_the_voltage_goes_before_its_share() {
+        let of = |pwm: &str, volts: &str| {
+            let column = |name: &str, f: &dyn Fn(usize) -> f64| PreviewColumn {
+                name: name.into(),
+                values: (0..300).map(f).collect(),
+                ..PreviewColumn::default()
+            };
+            let on = |k: usize| if k < 100 { 0.0 } else { 1.0 };
+            let speed = |k: usize| 18.0 * on(k) * (1.0 - (-0.02 * (k as f64 - 100.0)).exp());
+            guess(&[
+                column("Tiempo (s)", &|k| 0.02 * k as f64),
+                column(pwm, &|k| 180.0 * on(k)),
+                column(volts, &|k| 9.0 * on(k)),
+                column("Velocidad (rad/s)", &speed),
+            ])
+        };
+        for (pwm, volts) in
+            [("PWM", "Voltaje (V)"), ("PWM", "Motor Voltage (V)"), ("pwm", "voltage")]
+        {
+            let g = of(pwm, volts);
+            let input = g.columns.iter().find(|c| c.key == "M1").map(|c| c.name.as_str());
+            assert_eq!((input, g.drive_unit), (Some(volts), DriveUnit::Volt), "{pwm}");
+            assert!(g.one_axis);
+        }
+    }
 }

@@ -202,8 +202,7 @@ preset = \"unknown\"            # amigobot, pioneer_3dx, turtlebot3_burger, e_pu
 const OPTIONAL_TRACK: &str =
     "# l1_m = 0.15                 # half the distance between the wheels [m]\n";
 const OPTIONAL_RADIUS: &str = "# r_m  = 0.05                 # radius of the wheels [m]\n";
-const RADIUS: &str =
-    "r_m  = \"?\"                    # radius of the wheels [m], of speeds or angles in metres\n";
+const RADIUS: &str = "r_m  = \"?\"                    # radius of the wheels [m], of speeds or angles in units of length\n";
 
 /// The keys of the lengths: those that the recordings state or determine, others open or as comments.
 fn lengths(w: &Written) -> String {
@@ -310,8 +309,11 @@ fn columns(guess: &Guess) -> String {
     let mut entries: Vec<String> = guess.columns.iter().filter(|c| says(c)).map(entry).collect();
     let there = |key: &str| guess.columns.iter().any(|c| c.key == key);
     let motion = there("alpha1") || there("dalpha1");
-    let needed = ["t", "dalpha1", "dalpha2", "M1", "M2"];
-    let open = needed.iter().filter(|key| !(there(key) || key.starts_with('d') && motion));
+    // the question which columns are the wheels states the keys
+    let is_angle = guess.asks_which("alpha1") && !guess.asks_which("dalpha1");
+    let wheels = if is_angle { ["alpha1", "alpha2"] } else { ["dalpha1", "dalpha2"] };
+    let needed = ["t", wheels[0], wheels[1], "M1", "M2"];
+    let open = needed.iter().filter(|key| !(there(key) || wheels.contains(key) && motion));
     entries.extend(open.map(|key| match *key {
         "t" if guess.period.is_some() => {
             format!("t = {{ period = {:?} }}", guess.period.unwrap_or_default())

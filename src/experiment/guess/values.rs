@@ -16,9 +16,9 @@ use crate::recording::DriveUnit;
 /// Larger than the current of any motor of a small robot \[A\].
 const AMPERES: f64 = 200.0;
 
-/// What metres need.
+/// What lengths need.
 pub(super) const RADIUS: &str =
-    "what is the radius of the wheels? Angles or speeds are in metres: write r_m under [robot]";
+    "what is the radius of the wheels? Angles or speeds are lengths: write r_m [m] under [robot]";
 
 /// Whether a unit that a name states is one of this quantity, and not that of the program anyway.
 pub(super) fn fits(key: &str, unit: &str) -> bool {
@@ -115,7 +115,8 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     let [angles, speeds] = ["alpha", "dalpha"].map(|of| {
         guess.columns.iter().any(|c| c.key.strip_prefix(of).is_some_and(|s| s.len() == 1))
     });
-    if !angles && !speeds {
+    let are_asked = guess.asks_which("alpha1") || guess.asks_which("dalpha1");
+    if !angles && !speeds && !are_asked {
         guess.ask("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?");
     }
     if !guess.columns.iter().any(|c| c.key == "M1") {

@@ -196,3 +196,15 @@ fn the_seed_is_stated_where_it_made_the_data() {
     assert!(seed(None));
     assert!(!seed(Some("1234")), "recorded data have no seed");
 }
+
+#[test]
+fn notes_of_the_quality_check_are_in_the_results() {
+    use crate::recording::{Finding, Issue, Severity};
+    let mut study = full();
+    let note = Finding { severity: Severity::Note, issue: Issue::SignUntested(1) };
+    study.recordings[0].notes = vec![note];
+    let findings = crate::report::results(&study)["recordings"][0]["findings"].clone();
+    let said: Vec<&str> = findings.as_array().unwrap().iter().filter_map(|f| f.as_str()).collect();
+    assert_eq!(said.len(), 1 + study.recordings[0].findings.len());
+    assert!(said.last().unwrap().contains("the sign of M2 is not tested"), "{said:?}");
+}

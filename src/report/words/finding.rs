@@ -36,6 +36,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::HeldColumn { share } => {
             format!("{name} has a value in {:.1} % of the rows", percent(share))
         }
+        Kind::OnChange { share } => format!(
+            "{name} has no value in {:.1} % of the rows, and its successive values differ: a cell is written only when the \
+             value changes",
+            percent(share)
+        ),
         Kind::SlowPair { share } => format!(
             "{name} has a new value in {:.1} % of the rows, less often than the other sensor of the wheel",
             percent(share)
@@ -248,6 +253,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::MissingValues { .. } | Kind::TimeRows { .. } | Kind::SlowPair { .. } => "left out",
         Kind::SparseColumn { .. } => "interpolated linearly between its values",
         Kind::HeldColumn { .. } => "each value is held until the next",
+        Kind::OnChange { .. } => "the last value is held in the empty cells",
         Kind::ReadTogether { .. } => "read in the rows of that one, on the line between its values",
         Kind::OwnRows { .. } => {
             "the recording uses these rows; the others only fill their own columns"

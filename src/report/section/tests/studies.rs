@@ -34,6 +34,7 @@ fn recording(role: Role) -> RecordingStudy {
         noise: Noise { alpha: [1e-3; 2], omega: [0.05; 2], torque: [0.005; 2] },
         conditioning: vec![],
         findings: vec![Finding { severity: Severity::Warning, issue: Issue::Still(1) }],
+        notes: vec![],
         floor: Floor { ise: [0.01; 2], window_rms: 0.05, window_most: 0.05, window_slow: 0.0 },
         alpha: t.iter().map(|t| [4.0 - 4.0 * t.cos(), 3.0 * t.sin()]).collect(),
         torque: omega.iter().map(|w| [0.1 * w[0], 0.1 * w[1]]).collect(),
