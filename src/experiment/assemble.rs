@@ -157,7 +157,9 @@ pub(super) fn assembled(
 ) -> Plan {
     let PlanOptions { title, methods, diagnosis, hold, gain, conditioning, robot_is_built, seed } =
         options;
-    let opposed = super::remarks::opposed_wheels(&recordings);
+    let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
+    let findings = recordings.iter().flat_map(|m| &m.conditioning);
+    let opposed = super::remarks::opposed_wheels(&speeds.collect::<Vec<_>>(), findings);
     let no_track = has_no_track(model.robot())
         .then(|| Remark::NoTrack { effects: of_track(diagnosis.as_ref()) });
     let input = recordings.first().map(|m| m.recording.drive_unit());

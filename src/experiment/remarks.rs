@@ -3,7 +3,6 @@
 use toml::{Table, Value};
 
 use super::remark::{FixedMovement, Remark};
-use super::source::MeasuredRecording;
 use crate::conditioning::{Action, Channel, Finding, Kind};
 use crate::effects;
 use crate::model::Model;
@@ -94,12 +93,14 @@ pub(super) fn opposed(rows: &[[f64; 2]]) -> Option<f64> {
     (share > OPPOSED).then_some(share)
 }
 
-/// The remark on wheels that nearly always turn in opposite directions, with the wheel whose angle was inverted because
-/// its speed and its input have the other sign.
-pub(super) fn opposed_wheels(recordings: &[MeasuredRecording]) -> Option<Remark> {
-    let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
-    let share = opposed(&speeds.collect::<Vec<_>>())?;
-    let inverted = recordings.iter().flat_map(|m| &m.conditioning).find_map(|f| match f {
+/// The remark on wheels whose `speeds` nearly always have opposite directions, with the wheel whose angle was inverted
+/// according to the `findings` of conditioning, because its speed and its input have the other sign.
+pub(super) fn opposed_wheels<'a>(
+    speeds: &[[f64; 2]],
+    mut findings: impl Iterator<Item = &'a Finding>,
+) -> Option<Remark> {
+    let share = opposed(speeds)?;
+    let inverted = findings.find_map(|f| match f {
         Finding { channel: Channel::Angle(i), kind: Kind::Sign, action: Action::Corrected(_) } => {
             Some(*i)
         }
