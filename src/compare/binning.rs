@@ -155,8 +155,8 @@ fn explained(
             _ => clustered_factor(&of_wheel().copied().collect::<Vec<_>>()).value,
         };
         square += of_wheel().map(|s| square_of(s, 0.0)).sum::<f64>();
-        let wheel_acts = acting != Acting::Torque && constant.is_finite();
-        constants += f64::from(u8::from(wheel_acts));
+        let is_estimated = acting != Acting::Torque && constant.is_finite();
+        constants += f64::from(u8::from(is_estimated));
         same += of_wheel().map(|s| square_of(s, constant)).sum::<f64>();
         for (bin, mean) in bins.iter().zip(means) {
             left += bin[i].iter().map(|s| square_of(s, mean[i].value)).sum::<f64>();

@@ -99,12 +99,10 @@ fn floor((runs, half): &(Runs, Apart), seed: u64) -> Result<Floor, SimulateError
     let noise = recording.noise_of_jumps().powi(2);
     let share = noise + STEPS * (1.0 - noise);
     let input = |jumps: f64, half: f64| f64::max(noise * jumps, share * half);
+    let covered = recording.covered();
     let speed = recording.motion_noise().omega.map(|s| s * s);
     let ise = [0, 1].map(|i| {
-        speed[i] * recording.covered()
-            + start.ise[i]
-            + slow.ise[i]
-            + input(jumps.ise[i], half.ise[i])
+        speed[i] * covered + start.ise[i] + slow.ise[i] + input(jumps.ise[i], half.ise[i])
     });
     let known = sensors(recording, start.square) + slow.square;
     let window_rms = (known + input(jumps.square, half.square)).sqrt();

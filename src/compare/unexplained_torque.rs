@@ -240,15 +240,20 @@ impl Edges {
                 values.push(variable.at(&x, &m.acceleration, &torque[k]));
             }
         }
-        let mut cut = Some(0.0);
-        if variable.is_cyclic() {
-            cut = circle::cut(values.iter().copied());
-            values.iter_mut().for_each(|v| *v = opened(*v, cut.unwrap_or(0.0)));
-        }
+        let cut = match variable.is_cyclic() {
+            true => circle::cut(values.iter().copied()),
+            false => Some(0.0),
+        };
+        values.iter_mut().for_each(|v| *v = on_line(variable, *v, cut));
         values.sort_by(f64::total_cmp);
         let edge = |b: usize| quantile_of_sorted(&values, b as f64 / BINS as f64);
         Self { edges: (0..=BINS).map(edge).collect(), cut }
     }
+}
+
+/// A value of a variable, an angle on the circle that is opened at its `cut`.
+fn on_line(variable: Variable, value: f64, cut: Option<f64>) -> f64 {
+    if variable.is_cyclic() { opened(value, cut.unwrap_or(0.0)) } else { value }
 }
 
 struct Bins<'a> {
@@ -269,10 +274,8 @@ impl Columns for Bins<'_> {
         for (v, variable) in Variable::ALL.iter().enumerate() {
             let Edges { edges, cut } = &self.of[v];
             let value = variable.at(&at.motion, &at.acceleration, &at.input);
-            let value =
-                if variable.is_cyclic() { opened(value, cut.unwrap_or(0.0)) } else { value };
-            let inner = &edges[1..BINS];
-            let bin = inner.partition_point(|edge| *edge <= value);
+            let value = on_line(*variable, value, *cut);
+            let bin = edges[1..BINS].partition_point(|edge| *edge <= value);
             out[v * 2 * BINS + 2 * bin] = [1.0, 0.0];
             out[v * 2 * BINS + 2 * bin + 1] = [0.0, 1.0];
         }

@@ -14,11 +14,11 @@ use super::signal::{is_increasing, median_high};
 use super::thresholds::IMPORT;
 use super::{Conditioned, Settings};
 
-/// Part of the cells of a column that may be empty without being examined: lost messages.
+/// Part of the cells of a column that may be empty without being examined: lost messages (judgement).
 const LOST: f64 = 0.05;
 /// Smallest number of steps between values: fewer show no rule.
 const FEWEST: usize = 10;
-/// Part of the largest speed below which a wheel is at rest.
+/// Part of the largest speed below which a wheel is at rest (judgement).
 const AT_REST: f64 = 0.05;
 
 /// Holds the last value in the empty cells, if each sensor with empty cells is written on change; of an input as well,

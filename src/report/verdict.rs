@@ -82,9 +82,10 @@ pub fn not_determined(why: Undetermined) -> String {
              diagnosis. The estimates of the methods are those of all rows.",
             untested(None)
         ),
-        Undetermined::Untested { windows, fails } => format!(
-            "{}: the validation recordings have {windows} windows of 1 s, too few for a comparison of two models.",
-            untested(fails)
+        Undetermined::Untested { windows, validated, fails } => format!(
+            "{}: the {} recordings have {windows} windows of 1 s, too few for a comparison of two models.",
+            untested(fails),
+            if validated { "validation" } else { "training" }
         ),
         Undetermined::BetweenRows { share, step_s, .. } => format!(
             "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
@@ -310,12 +311,17 @@ mod tests {
 
     #[test]
     fn too_few_windows_leave_open_what_is_missing_and_not_that_the_model_fails() {
-        let of = |fails| not_determined(Undetermined::Untested { windows: 2, fails });
+        let on = |validated, fails| {
+            not_determined(Undetermined::Untested { windows: 2, validated, fails })
+        };
+        let of = |fails| on(true, fails);
         let few = "the validation recordings have 2 windows of 1 s, too few for a comparison of two models.";
         assert_eq!(of(None), format!("Whether an effect is missing cannot be tested: {few}"));
         let fails = "Something is missing: on the recordings that were fitted the 2 s simulation error is 6.1 times the \
                      noise floor. Which effect it is cannot be tested";
         assert_eq!(of(Some(6.1)), format!("{fails}: {few}"));
+        // without validation recordings effects are tested on those of the training
+        assert!(on(false, None).contains("the training recordings have 2 windows"));
     }
 
     #[test]

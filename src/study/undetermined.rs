@@ -20,10 +20,12 @@ pub enum Undetermined {
         /// Number of windows of 1 s.
         windows: usize,
     },
-    /// The validation recordings have too few windows for a test.
+    /// The recordings on which effects are tested have too few windows.
     Untested {
         /// Number of windows of 1 s.
         windows: usize,
+        /// Whether they are validation recordings; else the training recordings.
+        validated: bool,
         /// Error over noise floor of the training recordings, if something is missing according to them.
         fails: Option<f64>,
     },

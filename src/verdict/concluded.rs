@@ -239,8 +239,9 @@ fn of_windows(diagnosis: &Diagnosis) -> Option<Undetermined> {
 
 /// Why the judged recordings prove no effect: a test has [fewest_windows](crate::diagnose::Thresholds) at least.
 fn untested(diagnosis: &Diagnosis, fails: Option<f64>) -> Option<Undetermined> {
-    let windows = diagnosis.tested;
-    (windows < THRESHOLDS.fewest_windows).then_some(Undetermined::Untested { windows, fails })
+    let Diagnosis { tested: windows, validated, .. } = *diagnosis;
+    let untested = Undetermined::Untested { windows, validated, fails };
+    (windows < THRESHOLDS.fewest_windows).then_some(untested)
 }
 
 /// Why judged recordings whose speeds hardly change do not determine a model.
@@ -316,7 +317,7 @@ mod tests {
         let of = |variance: f64| of_windows(&with(variance, 30));
         assert_eq!(of(f64::INFINITY), Some(Undetermined::Windows { windows: 3 }));
         assert_eq!(of(1e-6), None);
-        let few = Undetermined::Untested { windows: 3, fails: Some(2.0) };
+        let few = Undetermined::Untested { windows: 3, validated: false, fails: Some(2.0) };
         assert_eq!(untested(&with(1e-6, 3), Some(2.0)), Some(few));
         assert_eq!(untested(&with(1e-6, 4), Some(2.0)), None);
     }
