@@ -29,16 +29,18 @@ impl Physics for TorqueSaturation {
         vec![ParameterSpec::shape("limit", "largest torque", "N m", (1e-6, 1e6), 0.3)]
     }
 
-    /// Limits from above the median of the torques to nearly the largest ones.
+    /// Limits from below the median of the torques, where the controller of a saturated motor asks for far more than it
+    /// gets, to nearly the largest ones.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
-        let quantiles = [0.55, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
+        let quantiles = [0.25, 0.4, 0.55, 0.65, 0.8, 0.9, 0.95, 0.98, 0.994];
         quantiles.into_iter().map(|share| vec![scale.torque_quantile(share)]).collect()
     }
 
-    /// From the median of the torques: below it a limit replaces most of the input by a constant of either sign, which,
-    /// with all parameters in proportion to it, is no more than an input without its noise.
+    /// From the torque that a fifth of the rows do not reach: below it a limit replaces nearly all of the input by a
+    /// constant of either sign, which, with all parameters in proportion to it, is no more than an input without its
+    /// noise. Taste.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
-        vec![(scale.torque_quantile(0.5).max(1e-6), 1e6)]
+        vec![(scale.torque_quantile(0.2).max(1e-6), 1e6)]
     }
 
     fn several_starts(&self) -> bool {
