@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::fit::{WindowFit, fit};
-use super::rivals::rivals;
+use super::rivals::{Bodies, rivals};
 use super::scale::scale_of;
 use super::timing::{Timed, timed, with_timing};
 use crate::effects::Scale;
@@ -24,6 +24,7 @@ pub struct AsRecorded<'a> {
     pub(super) scale: Scale,
     fit: OnceLock<Option<Timed<'a>>>,
     rivals: OnceLock<Vec<Rival>>,
+    second_bodies: OnceLock<Vec<Rival>>,
 }
 
 /// A model with an effect more, fitted to the same windows.
@@ -59,8 +60,16 @@ impl<'a> AsRecorded<'a> {
         (recordings, hold): (&'a [&'a Recording], Hold),
         scale: Scale,
     ) -> Self {
-        let (fit, rivals) = (OnceLock::new(), OnceLock::new());
-        Self { model: model.clone(), p: p.to_vec(), recordings, hold, scale, fit, rivals }
+        Self {
+            model: model.clone(),
+            p: p.to_vec(),
+            recordings,
+            hold,
+            scale,
+            fit: OnceLock::new(),
+            rivals: OnceLock::new(),
+            second_bodies: OnceLock::new(),
+        }
     }
 
     /// The fit of the model; `None` where it cannot follow the motion.
@@ -74,17 +83,24 @@ impl<'a> AsRecorded<'a> {
         self.fit().map(|timed| &timed.fit.p[..self.p.len()])
     }
 
-    /// The model with each effect of [`rivals`], fitted from its fit without one.
+    /// The model with each effect of [`rivals`] but a second body, fitted from its fit without one.
     pub(super) fn rivals(&self) -> &[Rival] {
-        self.rivals.get_or_init(|| {
-            let Some((plain, p)) = self.fit().zip(self.fitted()) else { return vec![] };
-            let fitted = |(model, p): (Model, Vec<f64>)| {
-                let timed = with_timing(&model, self.hold, &self.scale)?;
-                let start: Vec<f64> = p.into_iter().chain([plain.time_s()]).collect();
-                let fit = fit(&plain.windows, &timed, &start, &self.scale)?;
-                Some(Rival { model, fit })
-            };
-            rivals(&self.model, p, &self.scale).into_par_iter().filter_map(fitted).collect()
-        })
+        self.rivals.get_or_init(|| self.fitted_rivals(Bodies::One))
+    }
+
+    /// The model with each second body.
+    pub(super) fn second_bodies(&self) -> &[Rival] {
+        self.second_bodies.get_or_init(|| self.fitted_rivals(Bodies::Two))
+    }
+
+    fn fitted_rivals(&self, bodies: Bodies) -> Vec<Rival> {
+        let Some((plain, p)) = self.fit().zip(self.fitted()) else { return vec![] };
+        let fitted = |(model, p): (Model, Vec<f64>)| {
+            let timed = with_timing(&model, self.hold, &self.scale)?;
+            let start: Vec<f64> = p.into_iter().chain([plain.time_s()]).collect();
+            let fit = fit(&plain.windows, &timed, &start, &self.scale)?;
+            Some(Rival { model, fit })
+        };
+        rivals(&self.model, p, &self.scale, bodies).into_par_iter().filter_map(fitted).collect()
     }
 }

@@ -38,9 +38,9 @@ pub struct Logging {
 /// input over a row   M_0 dt  (held),  or  (M_0 + (M_1 - M_0) s) dt,   s uniform in (0, 1): mean 1/2, variance 1/12
 /// ```
 /// A controller that runs faster than the log, or beside it, has such steps. Each account is fitted with its own time
-/// of the input. If the account given is as likely with an effect of the catalogue, other than a second body or a
-/// delay, the two are compared again with the likeliest of these in the model: a lag shows itself at the steps too, and
-/// friction that is larger at rest makes speeds late. Recordings with no more windows than parameters follow any
+/// of the input. If the account given is as likely with an effect of the catalogue other than a delay, the two are
+/// compared again with the likeliest of these in the model: a lag and a slipping wheel show themselves at the steps too,
+/// and friction that is larger at rest makes speeds late. Recordings with no more windows than parameters follow any
 /// account, and show none.
 #[must_use]
 pub fn more_likely_logging(given: &AsRecorded, allowed: Accounts) -> Option<Logging> {
@@ -141,8 +141,14 @@ impl Context<'_, '_> {
 
     /// The likeliest model with an effect more with which the account given is about as likely as another one.
     fn as_likely_with_effect(&self, account: &Account) -> Option<&Rival> {
+        let near = |rivals| self.likeliest(rivals, account);
+        near(self.given.rivals()).or_else(|| near(self.given.second_bodies()))
+    }
+
+    /// The likeliest of the rivals that are about as likely as an account.
+    fn likeliest<'b>(&self, rivals: &'b [Rival], account: &Account) -> Option<&'b Rival> {
         let AsRecorded { recordings, hold, .. } = self.given;
-        let near = self.given.rivals().par_iter().filter_map(|rival| {
+        let near = rivals.par_iter().filter_map(|rival| {
             let likelihood = log_likelihood(&rival.fit, recordings, *hold)?;
             (!account.is_surer(likelihood, account.error)).then_some((likelihood, rival))
         });

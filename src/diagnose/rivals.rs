@@ -5,11 +5,25 @@ use std::sync::Arc;
 use crate::effects::{self, Change, Effect, ParameterKind, Scale};
 use crate::model::Model;
 
+/// Which effects are added to a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bodies {
+    /// Those of a robot whose wheels are one body with it.
+    One,
+    /// Second bodies behind the wheels; their fit is ten times as expensive.
+    Two,
+}
+
 /// The model near `p` with each effect of the catalogue that may make speeds late, from the middle of its shapes: all
-/// but a pure delay, which every fit contains, and a second body, whose fit is ten times as expensive.
-pub(super) fn rivals(model: &Model, p: &[f64], scale: &Scale) -> Vec<(Model, Vec<f64>)> {
-    let counts =
-        |e: &Arc<dyn Effect>| !e.is_delay() && e.change() != Change::TwoMass && e.admissible(scale);
+/// of these `bodies` but a pure delay, which every fit contains.
+pub(super) fn rivals(
+    model: &Model,
+    p: &[f64],
+    scale: &Scale,
+    bodies: Bodies,
+) -> Vec<(Model, Vec<f64>)> {
+    let of = |e: &Arc<dyn Effect>| (e.change() == Change::TwoMass) == (bodies == Bodies::Two);
+    let counts = |e: &Arc<dyn Effect>| of(e) && !e.is_delay() && e.admissible(scale);
     let effects = effects::all().into_iter().map(Arc::from).filter(counts);
     effects.filter_map(|effect| extended(model, p, effect, scale)).collect()
 }

@@ -3,6 +3,8 @@
 
 use std::cell::OnceCell;
 
+use nalgebra::DMatrix;
+
 use super::one_size::{acting_sizes, frictionless};
 use super::open_loop::{OpenLoop, smaller_by};
 use super::start::start;
@@ -65,6 +67,9 @@ impl<'a> Excited<'a> {
         if method.fits_emulator() {
             return method.identify(task);
         }
+        if task.model.free().is_empty() {
+            return Ok(as_fixed(&method.describe().name, task));
+        }
         let frictionless = || frictionless(task, self.sizes());
         let Some((model, places)) = self.frictionless.get_or_init(frictionless) else {
             return self.with_combination(task, method);
@@ -95,6 +100,13 @@ impl<'a> Excited<'a> {
         let fit = method.identify(&Task { model, ..*task })?;
         Ok(with_combination(fit, model, *sign, &places[1..]))
     }
+}
+
+/// The fit of a model without free parameters: its fixed values, whatever the method.
+fn as_fixed(method: &str, task: &Task) -> Fit {
+    let p = task.model.initial();
+    let covariance = DMatrix::zeros(p.len(), p.len());
+    Fit::physical(method, task.model, p, covariance, task.train[0].drive_unit())
 }
 
 /// The model of a task with the parameters fixed that its movement does not excite, and a start: what the time of the

@@ -13,8 +13,8 @@ use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, input_around};
 use super::weak::{Window, longest_motion, weak_rows, windows};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, Unsupported,
+    from_options, options_schema, start,
 };
 use crate::math::{BandedCholesky, clustered_covariance, pseudo_inverse, raise_errors};
 use crate::recording::Recording;
@@ -99,9 +99,13 @@ impl Identifier for WeakForm {
         let p = start::start(task, NAME)?;
         let regressor = Regressor::new(task.model, &task.model.initial());
         let width = regressor.width();
+        if width == 0 {
+            let reason = Unsupported::NoLinearParameter;
+            return Err(IdentifyError::Unsupported { method: NAME.into(), reason });
+        }
         let groups = self.most_informative(task, &regressor, &p);
         let rows: usize = groups.iter().map(|g| g.y.len()).sum();
-        if width == 0 || rows <= 2 * width + 2 {
+        if rows <= 2 * width + 2 {
             let samples = task.train.iter().map(Recording::len).sum();
             return Err(IdentifyError::TooFewSamples {
                 method: NAME.into(),
