@@ -188,9 +188,13 @@ fn time_error(timing: &Timing, step: f64) -> f64 {
 /// noise is known to a third, and the observed error contains that of the model too.
 const REFUTED: f64 = 2.0;
 
-/// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this, unless the model at
-/// `start` simulates the motion better than such noise would allow: then they are a command, which friction holds.
+/// Treats fluctuations of the recorded inputs at rest as noise of their sensors, and reports this, unless they are a
+/// command, which friction holds: the input is held between its rows, or the model at `start` simulates the motion better
+/// than such noise would allow.
 fn count_noise_at_rest(plan: &mut Plan, start: &[f64]) {
+    if plan.hold == Hold::Constant {
+        return;
+    }
     let recordings: Vec<&Recording> = plan.recordings.iter().map(|m| &m.recording).collect();
     let noise = rest_noise(&recordings);
     if noise.iter().all(|n| n.sigma == 0.0) {

@@ -10,12 +10,15 @@ use crate::simulate::Hold;
 pub const SURE: f64 = 8.0;
 /// Noise of the input, as a share of its root mean square, that stands for none.
 const NEGLIGIBLE: f64 = 1e-4;
+/// Standard errors by which the innovations ask for more noise than the input shows, from which on the model is
+/// incomplete.
+const INCOMPLETE: f64 = 4.0;
 
 /// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
 /// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
 ///
 /// A held command, and a controller that responds to the counts of an encoder, change from row to row like
-/// noise, but the robot follows them. An incomplete model makes the innovations larger and the ratio one.
+/// noise, but the robot follows them. A slow torque beside the noise stands for what the model lacks.
 ///
 /// A voltage that is held is a command and known exactly: the ratio is zero unless the innovations reject that. Where a
 /// controller feeds back the noise of the speeds, to count its answer as noise of the input biases the inertias and the
@@ -30,13 +33,16 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     if hold == Hold::Constant && recordings.iter().all(is_command) {
         return noise_of_command(&likelihood, model, p, &seen).unwrap_or(1.0);
     }
+    let Some(asked) = likelihood.asked_noise(model, p, &seen) else { return 1.0 };
     // the usual case, for which the search is not needed
-    if likelihood.asks_for_noise(model, p, &seen) {
+    if (0.0..INCOMPLETE).contains(&asked) {
         return 1.0;
     }
+    let likelihood = Likelihood { slow_moment: true, ..likelihood };
     let (likely, _) = likelihood.noise(model, p, &seen);
     let value = |noise: &ProcessNoise| likelihood.value(model, p, noise);
-    let Some((seen_value, likely_value)) = value(&seen).zip(value(&likely)) else { return 1.0 };
+    let seen_value = value(&ProcessNoise { sigma_m: seen.sigma_m, ..likely });
+    let Some((seen_value, likely_value)) = seen_value.zip(value(&likely)) else { return 1.0 };
     let refuted = likely.sigma_m < seen.sigma_m && likely_value - seen_value > SURE;
     if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
 }

@@ -64,12 +64,18 @@ impl Likelihood<'_> {
         (best, count)
     }
 
-    /// Whether the likelihood rises with the noise of the input at `noise`, or is not known there, so that
-    /// [`Likelihood::noise`] does not find less.
-    pub(super) fn asks_for_noise(&self, model: &Model, p: &[f64], noise: &ProcessNoise) -> bool {
+    /// By how many standard errors the innovations ask for more noise of the input than `noise` (negative: for less), by
+    /// the score of its variance. `None` where the likelihood is not known.
+    pub(super) fn asked_noise(
+        &self,
+        model: &Model,
+        p: &[f64],
+        noise: &ProcessNoise,
+    ) -> Option<f64> {
         let search = NoiseSearch::new(self, model, p, noise.later);
-        let slopes = search.slopes(&search.to_logs(noise));
-        slopes.is_none_or(|slopes| slopes.gradient[0] >= 0.0)
+        let Slopes { gradient, information } = search.slopes(&search.to_logs(noise))?;
+        let asked = gradient[0] / information[(0, 0)].sqrt();
+        asked.is_finite().then_some(asked)
     }
 
     /// The most likely weight of the later input: the top of the parabola through three weights,

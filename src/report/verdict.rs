@@ -6,19 +6,21 @@ mod error;
 mod evidence;
 mod formula;
 mod next;
+mod undetermined;
 
 pub(super) use self::effects::shifts_input;
 use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
-use crate::report::format::{in_text, percent, significant};
+use crate::report::format::{in_text, percent};
 use crate::report::words::simulation_error_over;
-use crate::study::{DiagnosisStudy, MethodAtFloor, Undetermined, Verdict, Withheld};
+use crate::study::{DiagnosisStudy, MethodAtFloor, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
 pub(super) use self::error::caused;
 pub use self::evidence::evidence;
 pub use self::next::recommendation;
 pub(super) use self::next::recommends;
+pub use self::undetermined::not_determined;
 
 /// The text of a verdict: the missing effects with the remaining error; likely further effects; the
 /// dependence of the residual torque, and a formula for it.
@@ -61,55 +63,6 @@ fn differs_words(difference: &Difference) -> String {
         percent(*std_error)
     )
 }
-
-/// Text in place of a comparison with the noise floor.
-#[must_use]
-pub fn not_determined(why: Undetermined) -> String {
-    match why {
-        Undetermined::Columns => OF_COLUMNS.to_owned(),
-        Undetermined::Steady { change } => format!(
-            "The model cannot be determined from these recordings: the speeds hardly change. Of the change of a speed within \
-             2 s, {} rad/s (root mean square), the model explains less than half, so that its parameters say little.",
-            significant(change, 2)
-        ),
-        Undetermined::Short { seconds } => format!(
-            "Whether an effect is missing cannot be determined: the training recordings last {} s together, less than a \
-             window of the simulation error.",
-            significant(seconds, 2)
-        ),
-        Undetermined::Windows { windows } => format!(
-            "{}: the training recordings have {windows} windows of 1 s, which determine no parameter in the fit of the \
-             diagnosis. The estimates of the methods are those of all rows.",
-            untested(None)
-        ),
-        Undetermined::Untested { windows, validated, fails } => format!(
-            "{}: the {} recordings have {windows} windows of 1 s, too few for a comparison of two models.",
-            untested(fails),
-            if validated { "validation" } else { "training" }
-        ),
-        Undetermined::BetweenRows { share, step_s, .. } => format!(
-            "The inertias cannot be determined from these recordings: between two rows of {step_s:.3} s the input may act \
-             by {:.0} % of the torque that accelerates the robot. The simulation error of such a fit does not measure its \
-             quality.",
-            100.0 * share
-        ),
-    }
-}
-
-/// What cannot be tested; `fails`: error over noise floor of the training recordings, if the model fails there.
-fn untested(fails: Option<f64>) -> String {
-    match fails {
-        Some(ratio) => format!(
-            "Something is missing: on the recordings that were fitted the 2 s simulation error is {} times the noise \
-             floor. Which effect it is cannot be tested",
-            significant(ratio, 2)
-        ),
-        None => "Whether an effect is missing cannot be tested".to_owned(),
-    }
-}
-
-const OF_COLUMNS: &str = "The model cannot be determined from these columns: a1 is not identifiable. The \
-                            simulation error of such a fit does not measure its quality.";
 
 /// The missing effects and the remaining error.
 fn concluded(diagnosis: &DiagnosisStudy) -> Vec<String> {
@@ -234,6 +187,7 @@ mod tests {
     use super::*;
     use crate::diagnose::Errors;
     use crate::recording::DriveUnit;
+    use crate::study::Undetermined;
     use crate::study::{DependenceStudy, FormulaStudy, Logging, UnprovenEffect};
 
     /// A model three times as far from the measurement as its noise floor, of which nothing was found.
@@ -305,7 +259,7 @@ mod tests {
             unproven: Some(likely),
             ..unknown()
         };
-        assert_eq!(sentence(&stated), OF_COLUMNS);
+        assert_eq!(sentence(&stated), not_determined(Undetermined::Columns));
         assert_eq!(stated.likely(), None);
     }
 

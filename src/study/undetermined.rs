@@ -10,6 +10,22 @@ pub enum Undetermined {
         /// Root mean square change of a speed within 2 s [rad/s].
         change: f64,
     },
+    /// Noise of the channels alone would change the simulated speeds by more than the measured ones change.
+    Noisy {
+        /// Noise floor [rad/s].
+        floor: f64,
+        /// Root mean square change of a speed within 2 s [rad/s].
+        change: f64,
+    },
+    /// The model explains less than half of the change of the speeds, and as much of it with the input of other times.
+    Unrelated {
+        /// Share of the mean square change of a speed within 2 s that the model explains.
+        explained: f64,
+        /// Number of other times at which the input explains as much.
+        times: usize,
+        /// Number of other times that were tried.
+        of: usize,
+    },
     /// They are shorter than a window of the simulation error.
     Short {
         /// How long they are together \[s\].

@@ -3,6 +3,7 @@
 use super::Basis;
 use super::next::{advice, propose, to_prove};
 use super::ranking::{ranking, staircase};
+use super::unrelated::unrelated;
 use crate::compare::{Curve, Variable, WindowFloor};
 use crate::diagnose::{
     Conclusion, Diagnosis, Difference, Errors, Judge, Judgement, Ranked, Step, THRESHOLDS,
@@ -61,7 +62,8 @@ impl<'a> Concluded<'a> {
         let floor = floor.unwrap_or_else(|| judge.floor(model, p));
         let before = judge.judge(&diagnosis.base.model, &diagnosis.base.p)?;
         let errors = judge.errors(diagnosis, floor, basis.train)?;
-        let undetermined = undetermined.or_else(|| steady(&judge, &errors));
+        let undetermined = undetermined
+            .or_else(|| unrelated(diagnosis, (&judge, basis.hold), &errors, basis.train));
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
         // one that does not act in the judged recordings lowers their error through the parameters that the training
@@ -151,7 +153,14 @@ impl<'a> Concluded<'a> {
             && formula.is_none();
         let proposal = is_open.then(|| propose(diagnosis, &self.likelihood, basis.seed)).flatten();
         let next = match (self.undetermined, self.withheld) {
-            (Some(Undetermined::Columns), _) => vec![Advice::CheckColumns],
+            (
+                Some(
+                    Undetermined::Columns
+                    | Undetermined::Noisy { .. }
+                    | Undetermined::Unrelated { .. },
+                ),
+                _,
+            ) => vec![Advice::CheckColumns],
             (Some(Undetermined::Steady { .. }), _) => vec![Advice::ChangeSpeed],
             (
                 Some(
@@ -242,12 +251,6 @@ fn untested(diagnosis: &Diagnosis, fails: Option<f64>) -> Option<Undetermined> {
     let Diagnosis { tested: windows, validated, .. } = *diagnosis;
     let untested = Undetermined::Untested { windows, validated, fails };
     (windows < THRESHOLDS.fewest_windows).then_some(untested)
-}
-
-/// Why judged recordings whose speeds hardly change do not determine a model.
-fn steady(judge: &Judge, errors: &Errors) -> Option<Undetermined> {
-    let change = judge.change();
-    errors.are_of_steady_speeds(change).then(|| Undetermined::Steady { change: change.sqrt() })
 }
 
 /// Ratio of the reported error with a likely effect to that without it; without validation recordings that of the

@@ -6,6 +6,7 @@ mod next;
 mod ranking;
 mod series;
 mod settled;
+mod unrelated;
 
 pub(crate) use self::formula::{curves_of, residual_torques};
 pub(crate) use self::settled::Settled;
