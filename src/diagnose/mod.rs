@@ -52,7 +52,7 @@ pub use judge::{Judge, Judgement, Sampling};
 pub use logging::{Accounts, Logging, more_likely_logging};
 pub use low_pass::{Computed, LowPass};
 pub use next_run::{Limits, Proposal, Rivals, next_run};
-pub use other_times::{OTHER_TIMES, other_times_as_good};
+pub use other_times::other_times_as_good;
 pub use outcome::{Diagnosis, Ranked, Step};
 pub use phases::{Phase, phases};
 pub use regression::{Buffers, Regression};

@@ -11,7 +11,7 @@ use crate::simulate::Hold;
 
 /// Number of other times: if the input has nothing to do with the motion, the error with it is smaller than with all of
 /// them once in twenty.
-pub const OTHER_TIMES: usize = 19;
+const OTHER_TIMES: usize = 19;
 /// Shifts to these times, as shares of a recording: beyond any delay, from both ends of the record.
 const SHARES: (f64, f64) = (0.1, 0.9);
 

@@ -10,12 +10,13 @@ use super::plan::{MeasuredRecording, MethodPlan, Plan};
 use crate::compare::{
     Floor, angle_rms, ise, noise_floor, simulate_recording, window_floor, window_rms,
 };
+use crate::filter::noise_of_jumps;
 use crate::identify::{self, Fit, IdentifyError};
 use crate::math::correlations;
-use crate::recording::Recording;
+use crate::recording::{Noise, Recording};
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
-use crate::study::{Judged, MethodStudy, Performance, RecordingStudy};
+use crate::study::{Judged, MethodStudy, Performance, RecordingStudy, Role};
 
 /// The fits of a plan's methods with their errors on its recordings.
 #[derive(Clone)]
@@ -28,6 +29,9 @@ pub struct Comparison {
     pub reference: usize,
     /// The fitted dynamics.
     pub(super) dynamics: Arc<dyn Dynamics>,
+    /// Share of the changes of the inputs that is noise according to the model with the effects found, if there are any:
+    /// a missing effect may look like noise.
+    noise_of_jumps: Option<f64>,
 }
 
 impl Comparison {
@@ -43,16 +47,40 @@ impl Comparison {
         Judged::of(&self.recordings)
     }
 
-    /// The same with the noise floor of another model: the effect of input noise depends on the model.
+    /// The same with the noise floor of another model: the effect of input noise depends on the model, and so does how
+    /// much of the changes of the input is noise.
     ///
     /// # Errors
     /// The mass matrix is not positive definite.
     pub(super) fn under(self, plan: &Plan, model: &PhysicalDynamics) -> Result<Self, RunError> {
-        let under = |m: &MeasuredRecording| noise_floor(model, &m.recording, plan.hold, plan.seed);
-        let floors: Vec<Floor> = plan.recordings.par_iter().map(under).collect::<Result<_, _>>()?;
-        let with = |(r, floor): (RecordingStudy, Floor)| RecordingStudy { floor, ..r };
-        let recordings = self.recordings.into_iter().zip(floors).map(with).collect();
-        Ok(Self { recordings, ..self })
+        let train = plan.of(Role::Train);
+        let given: Vec<&Recording> = train.iter().collect();
+        let share = noise_of_jumps(&model.model, &model.p, &given, plan.hold);
+        let mut out = Self { noise_of_jumps: Some(share), ..self };
+        let under = |m: &MeasuredRecording| {
+            let recording = out.with_noise(m.recording.clone());
+            let floor = noise_floor(model, &recording, plan.hold, plan.seed)?;
+            Ok((floor, recording.noise()))
+        };
+        let under: Vec<(Floor, Noise)> =
+            plan.recordings.par_iter().map(under).collect::<Result<_, SimulateError>>()?;
+        for (recording, (floor, noise)) in out.recordings.iter_mut().zip(under) {
+            (recording.floor, recording.noise) = (floor, noise);
+        }
+        Ok(out)
+    }
+
+    /// The recordings of a role, with the noise of their inputs as far as it is known.
+    pub(super) fn of(&self, plan: &Plan, role: Role) -> Vec<Recording> {
+        plan.of(role).into_iter().map(|r| self.with_noise(r)).collect()
+    }
+
+    /// A recording with the noise of its input according to the model with the effects found; no more than without them.
+    fn with_noise(&self, mut recording: Recording) -> Recording {
+        if let Some(share) = self.noise_of_jumps {
+            recording.set_noise_of_jumps(share.min(recording.noise_of_jumps()));
+        }
+        recording
     }
 }
 
@@ -126,7 +154,7 @@ fn compare_in(plan: &Plan, fits: &[MethodFit], detail: Detail) -> Result<Compari
             study(fit).or_else(|e| study(&Err(e.into())))
         })
         .collect::<Result<_, _>>()?;
-    Ok(Comparison { recordings, methods, reference, dynamics })
+    Ok(Comparison { recordings, methods, reference, dynamics, noise_of_jumps: None })
 }
 
 /// The fit that is shown in detail: the preferred physical one, otherwise the first.

@@ -163,10 +163,10 @@ fn with_basis<T>(
     comparison: &Comparison,
     f: impl FnOnce(&Basis) -> T,
 ) -> T {
-    let train = plan.of(Role::Train);
+    let train = comparison.of(plan, Role::Train);
     f(&Basis {
         train: &train,
-        validation: &plan.of(Role::Validation),
+        validation: &comparison.of(plan, Role::Validation),
         hold: plan.hold,
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,

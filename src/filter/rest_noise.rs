@@ -16,8 +16,9 @@ const MEDIAN_SQUARE: f64 = 0.454_936;
 /// Relative variance of the variance that the median of n squares gives, times n: 1/(4 f(m)² m²) with the density f of
 /// the square at its median m.
 const SPREAD: f64 = 5.44;
-/// Correlation times that the rests must last together: the standard deviation is then known to about a third
-/// (the variance of n seconds of such noise has a relative error of √(2τ/n)).
+/// Correlation times that the longest rest must last: D(s) is then seen to level off, where it would go on to grow under
+/// a command that creeps while friction holds the robot, and the standard deviation is known to about two thirds (the
+/// variance of n seconds of such noise has a relative error of √(2τ/n)), of several rests to less.
 const FEWEST: f64 = 4.0;
 /// Log-likelihood by which slow noise of both wheels must be better than none [nats]: that of four standard errors.
 const SURE: f64 = 8.0;
@@ -86,8 +87,7 @@ fn slow_noise(runs: &[Vec<f64>], step: f64) -> Option<(SlowNoise, f64)> {
         (misfit, x[0], SlowNoise { sigma: x[2].sqrt(), time_s })
     });
     let (misfit, white, best) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let seconds: f64 = runs.iter().map(|run| run.len() as f64 * step).sum();
-    let is_known = best.sigma.powi(2) > white && seconds >= FEWEST * best.time_s;
+    let is_known = best.sigma.powi(2) > white && longest as f64 * step >= FEWEST * best.time_s;
     is_known.then_some((best, 0.5 * (without - misfit) / SPREAD))
 }
 

@@ -10,7 +10,8 @@ pub enum Undetermined {
         /// Root mean square change of a speed within 2 s [rad/s].
         change: f64,
     },
-    /// Noise of the channels alone would change the simulated speeds by more than the measured ones change.
+    /// Noise of the channels alone would change the simulated speeds by more than the measured ones change, and the model
+    /// explains as much of their change with the input of other times.
     Noisy {
         /// Noise floor [rad/s].
         floor: f64,
@@ -21,10 +22,6 @@ pub enum Undetermined {
     Unrelated {
         /// Share of the mean square change of a speed within 2 s that the model explains.
         explained: f64,
-        /// Number of other times at which the input explains as much.
-        times: usize,
-        /// Number of other times that were tried.
-        of: usize,
     },
     /// They are shorter than a window of the simulation error.
     Short {

@@ -1,13 +1,13 @@
 //! Recordings whose input does not explain their motion.
 
-use crate::diagnose::{Diagnosis, Errors, Judge, OTHER_TIMES, THRESHOLDS, other_times_as_good};
+use crate::diagnose::{Diagnosis, Errors, Judge, THRESHOLDS, other_times_as_good};
 use crate::recording::Recording;
 use crate::simulate::Hold;
 use crate::study::Undetermined;
 
-/// Why judged recordings do not determine a model whose simulation explains too little of how their speeds `change`
-/// [rad^2/s^2]: the speeds hardly change; noise of the channels alone would make them change by as much; or the input of
-/// other times explains the motion as well.
+/// Why judged recordings do not determine a model: their speeds hardly change; or the input of other times explains the
+/// motion as well, where the model explains less than half of how the speeds change, or where noise of the channels
+/// alone would change them by more.
 pub(super) fn unrelated(
     diagnosis: &Diagnosis,
     (judge, hold): (&Judge, Hold),
@@ -18,13 +18,15 @@ pub(super) fn unrelated(
     if errors.are_of_steady_speeds(change) {
         return Some(Undetermined::Steady { change: change.sqrt() });
     }
-    if errors.floor > change {
-        return Some(Undetermined::Noisy { floor: errors.floor.sqrt(), change: change.sqrt() });
-    }
-    if errors.after <= THRESHOLDS.unexplained * change {
+    let is_noisy = errors.floor > change;
+    if !is_noisy && errors.after <= THRESHOLDS.unexplained * change
+        || other_times_as_good(&diagnosis.base, train, judge, hold) == 0
+    {
         return None;
     }
-    let times = other_times_as_good(&diagnosis.base, train, judge, hold);
     let explained = (1.0 - errors.after / change).max(0.0);
-    (times > 0).then_some(Undetermined::Unrelated { explained, times, of: OTHER_TIMES })
+    Some(match is_noisy {
+        true => Undetermined::Noisy { floor: errors.floor.sqrt(), change: change.sqrt() },
+        false => Undetermined::Unrelated { explained },
+    })
 }

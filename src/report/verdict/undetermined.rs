@@ -19,9 +19,9 @@ pub fn not_determined(why: Undetermined) -> String {
             significant(floor, 2),
             significant(change, 2)
         ),
-        Undetermined::Unrelated { explained, times, of } => format!(
+        Undetermined::Unrelated { explained } => format!(
             "The recorded input does not explain this motion: the model explains {} of the change of the speeds within 2 s, \
-             and as much of it with the input of another time (at {times} of {of} other times). Speeds may be set-points \
+             and as much of it with the input of other times. Speeds may be set-points \
              instead of measurements, the input may lack its sign or belong to other motors, or the rows of the two have \
              different times.",
             percent(explained)
