@@ -75,10 +75,10 @@ impl Comparison {
         plan.of(role).into_iter().map(|r| self.with_noise(r)).collect()
     }
 
-    /// A recording with the noise of its input according to the model with the effects found; no more than without them.
+    /// A recording with the noise of its input according to the model with the effects found.
     fn with_noise(&self, mut recording: Recording) -> Recording {
         if let Some(share) = self.noise_of_jumps {
-            recording.set_noise_of_jumps(share.min(recording.noise_of_jumps()));
+            recording.set_noise_of_jumps(share);
         }
         recording
     }

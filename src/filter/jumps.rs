@@ -18,7 +18,8 @@ const INCOMPLETE: f64 = 4.0;
 /// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
 ///
 /// A held command, and a controller that responds to the counts of an encoder, change from row to row like
-/// noise, but the robot follows them. A slow torque beside the noise stands for what the model lacks.
+/// noise, but the robot follows them. Where the innovations show more than this noise, a slow torque beside it stands for
+/// what the model lacks.
 ///
 /// A voltage that is held is a command and known exactly: the ratio is zero unless the innovations reject that. Where a
 /// controller feeds back the noise of the speeds, to count its answer as noise of the input biases the inertias and the
@@ -38,13 +39,15 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     if (0.0..INCOMPLETE).contains(&asked) {
         return 1.0;
     }
-    let likelihood = Likelihood { slow_moment: true, ..likelihood };
+    let likelihood = Likelihood { slow_moment: asked >= INCOMPLETE, ..likelihood };
     let (likely, _) = likelihood.noise(model, p, &seen);
+    if likely.sigma_m >= seen.sigma_m {
+        return 1.0;
+    }
+    let (no_less, _) = likelihood.noise_from(model, p, &seen, seen.sigma_m);
     let value = |noise: &ProcessNoise| likelihood.value(model, p, noise);
-    let seen_value = value(&ProcessNoise { sigma_m: seen.sigma_m, ..likely });
-    let Some((seen_value, likely_value)) = seen_value.zip(value(&likely)) else { return 1.0 };
-    let refuted = likely.sigma_m < seen.sigma_m && likely_value - seen_value > SURE;
-    if refuted { likely.sigma_m / seen.sigma_m } else { 1.0 }
+    let gain = value(&likely).zip(value(&no_less)).map(|(likely, no_less)| likely - no_less);
+    if gain.is_some_and(|gain| gain > SURE) { likely.sigma_m / seen.sigma_m } else { 1.0 }
 }
 
 /// The ratio of [`noise_of_jumps`] for a command, from the parameters that are the most likely without noise on.

@@ -50,7 +50,19 @@ impl Likelihood<'_> {
     /// with the derivatives of innovations e and their variances S from passes side by side.
     #[must_use]
     pub fn noise(&self, model: &Model, p: &[f64], start: &ProcessNoise) -> (ProcessNoise, usize) {
-        let search = NoiseSearch::new(self, model, p, start.later);
+        self.noise_from(model, p, start, 0.0)
+    }
+
+    /// [`Likelihood::noise`] with noise of the input of `least` or more.
+    pub(super) fn noise_from(
+        &self,
+        model: &Model,
+        p: &[f64],
+        start: &ProcessNoise,
+        least: f64,
+    ) -> (ProcessNoise, usize) {
+        let mut search = NoiseSearch::new(self, model, p, start.later);
+        search.low[0] = search.low[0].max(least.ln());
         let (mut x, mut count) = search.climb(search.to_logs(start));
         if search.dimensions > 1 {
             let (better, passes) = search.climb_again(x);
