@@ -310,7 +310,7 @@ mod tests {
         let alpha = Some((0..900).map(|k| states[k - k % 4].alpha).collect());
         let channels = Channels { t, alpha, omega: None, torque };
         let recording = Recording::new("slow", channels, DriveUnit::NewtonMetre).unwrap();
-        assert!(recording.fresh().contains(&false));
+        assert!(recording.repeats_readings());
         let dynamics = PhysicalDynamics { model, p };
         let acting = Acting::new(&dynamics, &recording, recording.torque());
         let starts = [0, 301, 602, 803, 900];

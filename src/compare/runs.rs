@@ -166,7 +166,7 @@ impl<'a> Runs<'a> {
     ) -> Option<Result<Speeds, SimulateError>> {
         let (model, p) = self.dynamics.physical()?;
         let r = self.recording;
-        if !r.measured().omega || r.fresh().contains(&false) {
+        if !r.measured().omega || r.repeats_readings() {
             return None;
         }
         let inputs: Vec<(Vec<[f64; 2]>, &Vec<State>)> =

@@ -67,7 +67,7 @@ impl OpenLoop<'_> {
         let states = simulate_windows(model, p, &input, t[0], &all).ok()?;
         for (window, states) in own.into_iter().zip(&states[before.len()..]) {
             // a row without a new value repeats an older one
-            for (k, state) in window.zip(states).filter(|(k, _)| recording.fresh()[*k]) {
+            for (k, state) in window.zip(states).filter(|(k, _)| recording.is_reading(*k)) {
                 let (measured, simulated) = if recording.measured().omega {
                     (recording.omega()[k], state.omega)
                 } else {
