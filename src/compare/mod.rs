@@ -23,7 +23,6 @@ pub use acting::Acting;
 pub use curve::{Curve, CurveBin};
 pub use curves::{Unexplained, curves};
 pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
-pub(crate) use error::{WINDOW, start_of};
 pub use floor::{
     Floor, WindowFloor, noise_floor, pooled_floor, sensor_floor, unresolved, window_floor,
 };
