@@ -171,8 +171,7 @@ pub fn ise(recording: &Recording, states: &[State]) -> [f64; 2] {
 }
 
 /// Wheel-speed errors over windows, measured minus simulated [rad/s].
-#[must_use]
-pub fn window_errors(recording: &Recording, windows: &[State]) -> Vec<[f64; 2]> {
+fn window_errors(recording: &Recording, windows: &[State]) -> Vec<[f64; 2]> {
     recording
         .omega()
         .iter()

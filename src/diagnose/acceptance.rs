@@ -46,7 +46,7 @@ impl Fall {
 /// that acts in a few windows (a warm-up, a limit that is seldom reached) is not tested on the noise of all others.
 /// Where fewer than four windows show anything, all count alike.
 #[must_use]
-pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
+pub(super) fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     let rows = before.iter().zip(after).zip(weight);
     let (d, w): (Vec<f64>, Vec<f64>) = rows
         .filter(|((b, a), _)| **b > 0.0 && **a > 0.0)

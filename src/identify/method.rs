@@ -196,7 +196,7 @@ fn range_in_words(option: &Value) -> Option<String> {
 
 /// The options that a schema describes, in its order.
 #[must_use]
-pub fn options_of(schema: &Schema) -> Vec<MethodOption> {
+fn options_of(schema: &Schema) -> Vec<MethodOption> {
     let properties = schema.get("properties").and_then(Value::as_object);
     properties.into_iter().flatten().map(|(key, option)| described(key, option)).collect()
 }
