@@ -55,8 +55,8 @@ pub(super) fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     if d.len() < THRESHOLDS.fewest_windows || !d.iter().all(|v| v.is_finite()) {
         return Fall::NONE;
     }
-    let telling = effective(&w) >= THRESHOLDS.fewest_windows as f64;
-    let w = if telling { w } else { vec![1.0; d.len()] };
+    let is_enough = effective(&w) >= THRESHOLDS.fewest_windows as f64;
+    let w = if is_enough { w } else { vec![1.0; d.len()] };
     let p_value = probability(&d, &w);
     let mean = mean(d.iter().copied());
     let ratio = (after.iter().sum::<f64>() / before.iter().sum::<f64>()).sqrt();
