@@ -3,12 +3,9 @@
 use std::ops::Range;
 
 use crate::math::trapezoid;
-use crate::recording::{LocalMotion, Recording, slopes};
+use crate::recording::{Recording, slopes};
 use crate::robot::State;
-use crate::simulate::{Dynamics, Hold, Input, SimulateError};
-
-/// Length of an open-loop window \[s\].
-pub(crate) const WINDOW: f64 = 2.0;
+use crate::simulate::{Dynamics, Hold, Input, SimulateError, WINDOW};
 
 /// A recording simulated by a model.
 #[derive(Clone, Debug)]
@@ -153,20 +150,8 @@ impl<'a> Acting<'a> {
 
     /// Initial state of a window.
     fn start(&self, window: &Range<usize>) -> State {
-        start_of(&self.recording.local_motion()[window.start])
+        self.recording.local_motion()[window.start].start()
     }
-}
-
-/// Initial state of a simulation: the local motion.
-#[must_use]
-pub(crate) fn start_of(motion: &LocalMotion) -> State {
-    // a speed that its own error hides is rest: started at a tiny speed, dry friction would act
-    // with a sign that is noise
-    let omega = [0, 1].map(|i| {
-        let w = motion.omega[i];
-        if w * w < 4.0 * motion.omega_variance[i] { 0.0 } else { w }
-    });
-    State { alpha: motion.alpha, omega }
 }
 
 /// The paper's quality index per wheel, the integral of the squared wheel-speed error over the recording
@@ -186,8 +171,7 @@ pub fn ise(recording: &Recording, states: &[State]) -> [f64; 2] {
 }
 
 /// Wheel-speed errors over windows, measured minus simulated [rad/s].
-#[must_use]
-pub fn window_errors(recording: &Recording, windows: &[State]) -> Vec<[f64; 2]> {
+fn window_errors(recording: &Recording, windows: &[State]) -> Vec<[f64; 2]> {
     recording
         .omega()
         .iter()
@@ -310,7 +294,7 @@ mod tests {
         let alpha = Some((0..900).map(|k| states[k - k % 4].alpha).collect());
         let channels = Channels { t, alpha, omega: None, torque };
         let recording = Recording::new("slow", channels, DriveUnit::NewtonMetre).unwrap();
-        assert!(recording.fresh().contains(&false));
+        assert!(recording.repeats_readings());
         let dynamics = PhysicalDynamics { model, p };
         let acting = Acting::new(&dynamics, &recording, recording.torque());
         let starts = [0, 301, 602, 803, 900];

@@ -17,7 +17,7 @@ pub struct Mean {
 /// se² = B/(B - 1) Σ_b (Σ_k in b (x_k - mean))²/n²
 /// ```
 #[must_use]
-pub fn clustered_mean(values: &[(usize, f64)]) -> Mean {
+pub(super) fn clustered_mean(values: &[(usize, f64)]) -> Mean {
     let sample = |&(block, value): &(usize, f64)| Sample { block, per: 1.0, value };
     clustered_factor(&values.iter().map(sample).collect::<Vec<_>>())
 }

@@ -22,22 +22,20 @@ mod whiteness;
 pub use acting::Acting;
 pub use curve::{Curve, CurveBin};
 pub use curves::{Unexplained, curves};
-pub use error::{Simulated, angle_rms, ise, simulate_recording, window_errors, window_rms};
-pub(crate) use error::{WINDOW, start_of};
+pub use error::{Simulated, angle_rms, ise, simulate_recording, window_rms};
 pub use floor::{
     Floor, WindowFloor, noise_floor, pooled_floor, sensor_floor, unresolved, window_floor,
 };
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use input_noise::noisier_input;
 pub use low_pass::{FilterBuffer, filter_together, filtered, smooth_motion};
-pub use mean::{Mean, clustered_mean};
+pub use mean::Mean;
 pub use persistence::persistence_rms;
 pub(crate) use regime::{AT_FLOOR, REGIME_RATE};
 pub use regime::{Failure, failures};
 pub use residual_torque::residual_torque;
 pub(crate) use residual_torque::{REST, WIDTH};
 pub use unexplained_torque::{
-    Asked, Bin, Dependence, UnexplainedTorque, Variable, log_significance, score_statistic,
-    unexplained_torque,
+    Asked, Bin, Dependence, UnexplainedTorque, Variable, log_significance, unexplained_torque,
 };
 pub use whiteness::{Innovations, Whiteness, analysed, whiteness};

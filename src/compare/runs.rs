@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
 
-use super::error::{Acting, WINDOW, start_of, windows_of};
+use super::error::{Acting, windows_of};
 use super::input_noise::{noisier_input, normal, slowly_noisier_input};
 use crate::math::trapezoid;
 use crate::recording::{LocalMotion, Recording};
 use crate::robot::State;
 use crate::simulate::{
-    Dynamics, Hold, Realisation, SimulateError, Speeds, every_other, speeds_of_realisations,
+    Dynamics, Hold, Realisation, SimulateError, Speeds, WINDOW, every_other, speeds_of_realisations,
 };
 
 /// Number of noise realisations.
@@ -166,7 +166,7 @@ impl<'a> Runs<'a> {
     ) -> Option<Result<Speeds, SimulateError>> {
         let (model, p) = self.dynamics.physical()?;
         let r = self.recording;
-        if !r.measured().omega || r.fresh().contains(&false) {
+        if !r.measured().omega || r.repeats_readings() {
             return None;
         }
         let inputs: Vec<(Vec<[f64; 2]>, &Vec<State>)> =
@@ -237,7 +237,7 @@ fn spread(a: &[f64; 2], b: &[f64; 2], i: usize) -> f64 {
 
 /// Initial state of a simulation, with a realisation of the noise of the speeds if `rng` is given.
 fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
-    let mut first = start_of(local);
+    let mut first = local.start();
     let Some(rng) = rng else { return first };
     let draws = [normal(rng), normal(rng)];
     let single = local.omega[0] == local.omega[1];

@@ -340,7 +340,7 @@ fn curve(
 /// `T = s' I⁺ s` and the rank of I; directions below 1e-4 of the largest, after scaling to unit diagonal, are
 /// discarded.
 #[must_use]
-pub fn score_statistic(information: &DMatrix<f64>, score: &DVector<f64>) -> (f64, usize) {
+fn score_statistic(information: &DMatrix<f64>, score: &DVector<f64>) -> (f64, usize) {
     let known = Information::truncated(information, WEAK);
     (known.statistic(score), known.rank())
 }

@@ -87,17 +87,13 @@ pub fn whiteness(
             }
         }
     }
-    let step = recordings.iter().map(|r| r.step() * r.len() as f64 / fresh(r)).fold(0.0, f64::max);
+    let step = recordings.iter().map(Recording::reading_interval).fold(0.0, f64::max);
     let one_row = speeds.then(|| summary(0.0, &pairs));
     Ok(Whiteness { speeds, one_row, ..analysed(&wheels, step) })
 }
 
 fn row(v: &crate::filter::Innovation) -> usize {
     v.row
-}
-
-fn fresh(r: &Recording) -> f64 {
-    r.fresh().iter().filter(|f| **f).count().max(1) as f64
 }
 
 /// Tests of given innovations with sampling interval `step` \[s\].

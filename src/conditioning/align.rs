@@ -20,7 +20,8 @@ use super::cells::{column, keep, put};
 use super::counterpart;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, is_increasing, median_high};
-use super::{Conditioned, Context, FEWEST_ROWS, Settings};
+use super::thresholds::{ANGLES, INPUTS, TIMES};
+use super::{Conditioned, Context, Settings};
 use crate::math::interpolate;
 use crate::recording::{Channels, REGULAR, refreshed};
 
@@ -47,12 +48,6 @@ pub fn common_slow_pair<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> 
 /// A channel, and in which rows it has a sample.
 pub(super) type Cells = (Channel, Vec<bool>);
 
-/// Part of the samples of the fastest sensor below which another one is slow: of lines between its samples the noise is
-/// less than that of the sensor, and one row in five moves what the rows show of it by a tenth.
-const FEW: f64 = 0.8;
-/// Part of its range beyond which an angle does not move between two samples, but wraps.
-const WRAP: f64 = 0.5;
-
 /// Discards the angles, or the speeds, if they have fewer samples than the other, or if they are known to have fewer
 /// in other recordings of the log; returns the remaining cells.
 ///
@@ -73,7 +68,7 @@ pub(super) fn without_slow_pair(
         return cells;
     };
     let fewer = if angles < speeds { SlowPair::Angles } else { SlowPair::Speeds };
-    let is_fewer = |slow: usize, other: usize| (slow as f64) < FEW * other as f64;
+    let is_fewer = |slow: usize, other: usize| (slow as f64) < TIMES.fewer_samples * other as f64;
     let new = |kind: fn(usize) -> Channel| fewest_new_values(work, &cells, kind);
     let changes = [new(Channel::Angle), new(Channel::Speed)];
     let is_slow = match fewer {
@@ -125,7 +120,7 @@ fn disagreement(
     let sensors: Vec<Cells> = cells.iter().filter(is_sensor).cloned().collect();
     let mut both = Conditioned { channels: work.channels.clone(), findings: vec![] };
     align(&mut both, &sensors, |_| true, true);
-    if both.channels.t.len() < FEWEST_ROWS || !is_increasing(&both.channels.t) {
+    if both.channels.t.len() < TIMES.fewest_rows || !is_increasing(&both.channels.t) {
         return vec![];
     }
     // rows of other messages have no input
@@ -150,7 +145,8 @@ pub(super) fn align(
     let sensors = || cells.iter().filter(|(channel, _)| is_sensor(*channel));
     // of equals the first
     let Some(fastest) = sensors().rev().max_by_key(|(_, cells)| count(cells)) else { return };
-    let few = |(_, own): &&Cells| (count(own) as f64) < FEW * count(&fastest.1) as f64;
+    let few =
+        |(_, own): &&Cells| (count(own) as f64) < TIMES.fewer_samples * count(&fastest.1) as f64;
     let fastest = sensors().filter(few).min_by_key(|(_, cells)| count(cells)).unwrap_or(fastest);
     let inputs = cells.iter().filter(|c| !commanded && !is_sensor(c.0) && is_slow(c));
     let slowest = inputs.min_by_key(|(_, cells)| count(cells));
@@ -227,14 +223,10 @@ pub(super) fn refreshed_alone(t: &[f64], values: &[f64]) -> Vec<bool> {
     refreshed(&Channels { t: t.to_vec(), alpha, omega: None, torque: vec![] })
 }
 
-/// Part of the period of a command within which a sample after a row is of the same cycle (judgement): the command acts
-/// this much too early then, and a whole cycle too late otherwise.
-const CYCLE: f64 = 0.1;
-
 /// A command: the last sample at each row, or the next one of the same cycle; none before the first.
 fn held(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
     let samples: Vec<usize> = (0..t.len()).filter(|&k| own[k]).collect();
-    let near = CYCLE * median_high(samples.windows(2).map(|w| t[w[1]] - t[w[0]]));
+    let near = INPUTS.same_cycle * median_high(samples.windows(2).map(|w| t[w[1]] - t[w[0]]));
     let last = last_of(values, own);
     let read = |k: usize| {
         let mut cycle = (k..t.len()).take_while(|&j| t[j] - t[k] < near || j == k);
@@ -262,7 +254,7 @@ fn along(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
 fn along_angle(t: &[f64], values: &[f64], own: &[bool]) -> Vec<f64> {
     let held = || values.iter().zip(own).filter(|(_, own)| **own).map(|(v, _)| *v);
     let range = held().fold(f64::NEG_INFINITY, f64::max) - held().fold(f64::INFINITY, f64::min);
-    between(t, values, own, WRAP * range)
+    between(t, values, own, ANGLES.wraps * range)
 }
 
 fn between(t: &[f64], values: &[f64], own: &[bool], most: f64) -> Vec<f64> {

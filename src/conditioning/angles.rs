@@ -14,19 +14,14 @@ use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high, pieces, quantile};
+use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
 use crate::math::noise::quantum;
 
 /// Number of rows on either side from which the motion of the angle is estimated.
 const AROUND: usize = 4;
-/// A step is not motion if it is this many times the largest ordinary one around it: between two
-/// rows no wheel changes its increment by more than that increment itself, unless it is slower than
-/// the wrap can be distinguished from (half a period per row).
-const BEYOND: f64 = 10.0;
-/// Tolerance of a step as a share of the period: a step contains the motion of its row.
-const ALIKE: f64 = 0.02;
-/// Share of a step that may be left by one that undoes it: two increments of a tenth each, as [`BEYOND`].
-const UNDONE: f64 = 2.0 / BEYOND;
+/// Share of a step that may be left by one that undoes it: two increments of a tenth each, as `beyond_motion`.
+const UNDONE: f64 = 2.0 / ANGLES.beyond_motion;
 
 pub(super) fn unwrap(work: &mut Conditioned, settings: &Settings) {
     let Some(alpha) = &work.channels.alpha else { return };
@@ -85,7 +80,7 @@ fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
     for k in 1..values.len() {
         let size = increments[k - 1].abs();
         // a wrap steps through more than half of the range; a reset through more than any motion
-        let stepped = (size > 0.5 * range && size > 2.0 * usual) || size > far;
+        let stepped = (size > ANGLES.wraps * range && size > 2.0 * usual) || size > far;
         if !stepped || !inside(k) {
             continue;
         }
@@ -99,7 +94,7 @@ fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
 /// The angle that no motion reaches from row to row; infinite for a wheel that hardly moves.
 fn far(increments: &[f64]) -> f64 {
     let ordinary = quantile(increments.iter().map(|d| d.abs()), 0.98);
-    if ordinary > 0.0 { BEYOND * ordinary } else { f64::INFINITY }
+    if ordinary > 0.0 { ANGLES.beyond_motion * ordinary } else { f64::INFINITY }
 }
 
 fn range(values: &[f64]) -> f64 {
@@ -163,14 +158,15 @@ fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
 /// range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     let size = median_high(steps.iter().map(|(_, by)| by.abs()));
-    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
+    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ANGLES.same_step;
     if !steps.iter().all(|(_, by)| alike(by.abs(), size)) {
         return None;
     }
     let range = range(values);
     // no counter has less than six bits
     let counts = quantum(values).map(|q| (q, (size / q).log2().round()));
-    let counts = counts.filter(|(_, bits)| *bits >= 6.0).map(|(q, bits)| q * bits.exp2());
+    let counts =
+        counts.filter(|(_, bits)| *bits >= ANGLES.counter_bits).map(|(q, bits)| q * bits.exp2());
     let known = [Some(TAU), Some(0.5 * TAU), Some(2.0 * TAU), counts];
     let known = known.into_iter().flatten().find(|p| alike(size, *p) && range < 1.05 * p);
     known.or_else(|| (steps.len() >= 3 && range < 1.05 * size).then_some(size))

@@ -12,20 +12,9 @@ use super::cells::columns;
 use super::finding::{Channel, Finding, Kind};
 use super::jitter::by_number;
 use super::signal::{changes, is_increasing, median_high};
+use super::thresholds::TIMES;
 use crate::math::{Line, mean};
 use crate::recording::REGULAR;
-
-/// Mean number of rows within a tick from which on a clock is coarse; repeated stamps that are fewer are those of
-/// single rows.
-const ROWS_A_TICK: f64 = 1.5;
-/// Part by which the number of rows of a tick may differ from the usual one, and at least one row.
-const UNEVEN: f64 = 0.1;
-/// Part of the repeated stamps whose row repeats the row before as a whole, beyond which a logger writes rows twice.
-const TWICE: f64 = 0.5;
-/// Number of ticks to the next stamp above which rows are missing.
-const NEXT: f64 = 1.5;
-/// Part of a tick by which its multiples are rounded: those of a timer of 1/64 s in milliseconds.
-const ROUNDED: f64 = 0.1;
 
 /// Spreads the rows of each tick evenly over it, where ticks hold nearly the same number of rows. Where one rate
 /// fits all stamps to within a tick, the rows have that rate.
@@ -38,7 +27,7 @@ pub(super) fn coarse(work: &mut Conditioned) {
         return;
     }
     let mean = mean(inner.iter().map(|r| r.len() as f64));
-    if mean < ROWS_A_TICK {
+    if mean < TIMES.rows_a_tick {
         return;
     }
     let tick = median_high(ticks.windows(2).map(|w| t[w[1].start] - t[w[0].start]));
@@ -47,7 +36,7 @@ pub(super) fn coarse(work: &mut Conditioned) {
         return in_batches(work, &ticks, mean);
     }
     let usual = median_high(inner.iter().map(|r| r.len() as f64));
-    let allowed = (UNEVEN * usual).max(1.0);
+    let allowed = (TIMES.tick_rows * usual).max(1.0);
     let regular = inner.iter().filter(|r| (r.len() as f64 - usual).abs() <= allowed).count();
     if (regular as f64) < REGULAR * inner.len() as f64 {
         return;
@@ -72,7 +61,7 @@ fn in_batches(work: &mut Conditioned, ticks: &[Range<usize>], rows: f64) {
 /// Share of the steps from stamp to stamp that are whole ticks.
 fn share_of_multiples(t: &[f64], ticks: &[Range<usize>], tick: f64) -> f64 {
     let steps = || ticks.windows(2).map(|w| (t[w[1].start] - t[w[0].start]) / tick);
-    let whole = steps().filter(|n| (n - n.round().max(1.0)).abs() < ROUNDED).count();
+    let whole = steps().filter(|n| (n - n.round().max(1.0)).abs() < TIMES.tick_rounded).count();
     whole as f64 / steps().count().max(1) as f64
 }
 
@@ -94,7 +83,7 @@ fn is_twice(work: &Conditioned) -> bool {
     let still =
         count(&|k| t[k] != t[k - 1] && columns.iter().skip(1).all(|(_, v)| v[k] == v[k - 1]));
     // a robot that stands repeats its rows across ticks as well
-    twice as f64 > TWICE * repeated as f64 && 2 * still < t.len() - repeated
+    twice as f64 > TIMES.written_twice * repeated as f64 && 2 * still < t.len() - repeated
 }
 
 /// Times at the one rate that fits best (least squares) the rows in which the stamp changes, if no row is off by more
@@ -113,7 +102,10 @@ fn spread(t: &[f64], ticks: &[Range<usize>], tick: f64, step: f64) -> Vec<f64> {
     let mut out = t.to_vec();
     for (k, rows) in ticks.iter().enumerate() {
         let start = t[rows.start];
-        let next = ticks.get(k + 1).map(|r| t[r.start]).filter(|next| next - start < NEXT * tick);
+        let next = ticks
+            .get(k + 1)
+            .map(|r| t[r.start])
+            .filter(|next| next - start < TIMES.next_tick * tick);
         let (from, step) = match next {
             Some(next) if k == 0 => {
                 let step = step.min(tick / rows.len() as f64);

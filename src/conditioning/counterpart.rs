@@ -9,17 +9,12 @@ use std::f64::consts::{PI, TAU};
 
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{column, median_high, median_step, pieces, quantile};
-use super::thresholds::IMPORT;
+use super::thresholds::{ANGLES, IMPORT};
 use super::{Conditioned, Context, Settings};
 
 /// Length of a window \[s\], and its rows at least: long enough for the steps of an encoder to be
 /// small against the motion, short against the motion itself.
 const WINDOW: (f64, usize) = (0.2, 6);
-/// Smallest number of windows of motion.
-const FEWEST: usize = 10;
-/// Relative tolerance of a known factor: rounding of a logger is smaller, and no two factors are as
-/// close.
-const CLOSE: f64 = 0.03;
 
 /// The channel that is converted, and its name.
 #[derive(Clone, Copy, PartialEq)]
@@ -49,7 +44,7 @@ pub(super) fn units_and_signs(work: &mut Conditioned, settings: &Settings, conte
 fn gain(work: &mut Conditioned, i: usize) {
     let Some((ratio, std_error)) = windows(work, i).and_then(|pairs| slope(&pairs)) else { return };
     let off = (ratio - 1.0).abs();
-    let is_gear = ratio.max(1.0 / ratio) > GEARS.start;
+    let is_gear = ratio.max(1.0 / ratio) > ANGLES.gears[0];
     if !is_gear && ratio > 0.0 && off > IMPORT.gain_off && off > IMPORT.gain_errors * std_error {
         let (channel, kind) = (Channel::Speed(i), Kind::Gain { ratio, std_error });
         work.findings.push(Finding { channel, kind, action: Action::Noted });
@@ -62,7 +57,7 @@ fn gain(work: &mut Conditioned, i: usize) {
 fn slope(pairs: &[(f64, f64)]) -> Option<(f64, f64)> {
     let sum = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
     let (aa, wa, ww) = (sum(&|(_, a)| a * a), sum(&|(w, a)| w * a), sum(&|(w, _)| w * w));
-    if pairs.len() < FEWEST || aa <= 0.0 || wa <= 0.0 {
+    if pairs.len() < ANGLES.compared_windows || aa <= 0.0 || wa <= 0.0 {
         return None;
     }
     let (low, high) = (wa / aa, ww / wa);
@@ -75,12 +70,14 @@ fn slope(pairs: &[(f64, f64)]) -> Option<(f64, f64)> {
 /// Speed over slope of the angle, where the windows agree on one.
 fn ratio(work: &Conditioned, i: usize) -> Option<f64> {
     let pairs = windows(work, i)?;
-    let fast = 0.3 * quantile(pairs.iter().map(|(_, a)| a.abs()), 0.95);
+    let fast = ANGLES.turns * quantile(pairs.iter().map(|(_, a)| a.abs()), 0.95);
     let ratios: Vec<f64> =
         pairs.iter().filter(|(_, a)| fast > 0.0 && a.abs() > fast).map(|(w, a)| w / a).collect();
     let middle = median_high(ratios.iter().copied());
     let spread = median_high(ratios.iter().map(|g| (g / middle - 1.0).abs()));
-    (ratios.len() >= FEWEST && spread < 5.0 * CLOSE).then_some(middle)
+    (ratios.len() >= ANGLES.compared_windows
+        && spread < ANGLES.scattered_ratio * ANGLES.known_factor)
+        .then_some(middle)
 }
 
 /// Integral of the speed and change of the angle in every window; `None` without one of the two.
@@ -106,11 +103,12 @@ fn windows(work: &Conditioned, i: usize) -> Option<Vec<(f64, f64)>> {
 fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios: [Option<f64>; 2]) {
     let there: Vec<f64> = ratios.into_iter().flatten().map(f64::abs).collect();
     let Some(&first) = there.first() else { return };
-    if there.iter().any(|g| (g / first - 1.0).abs() > CLOSE) {
+    if there.iter().any(|g| (g / first - 1.0).abs() > ANGLES.known_factor) {
         return;
     }
     let known = known(context);
-    let mut fits = known.iter().filter(|(factor, ..)| (first / factor - 1.0).abs() < CLOSE);
+    let mut fits =
+        known.iter().filter(|(factor, ..)| (first / factor - 1.0).abs() < ANGLES.known_factor);
     // of two that fit either may be it
     let (factor, unit, target) = match (fits.next(), fits.next()) {
         (Some(one), None) => one,
@@ -143,12 +141,10 @@ fn units(work: &mut Conditioned, settings: &Settings, context: &Context, ratios:
     }
 }
 
-/// Gears between a motor and a wheel.
-const GEARS: std::ops::Range<f64> = 1.25..1000.0;
-
 /// Records that speeds and angles belong to different shafts: a motor and the wheel after its gear.
 fn gear(work: &mut Conditioned, ratio: f64) {
-    if GEARS.contains(&ratio) || GEARS.contains(&(1.0 / ratio)) {
+    let [least, most] = ANGLES.gears;
+    if (least..most).contains(&ratio) || (least..most).contains(&(1.0 / ratio)) {
         let found = [0, 1].map(|i| Finding {
             channel: Channel::Speed(i),
             kind: Kind::Gear { ratio },

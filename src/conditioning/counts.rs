@@ -23,29 +23,10 @@
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high};
+use super::thresholds::SPEEDS;
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::step_of_grid;
 use crate::math::trimmed_mean_square;
-
-/// Smallest number of rows in motion: fewer may lie on a grid by chance or by rounding of the file.
-const FEWEST: usize = 100;
-/// Smallest number of different counts per row.
-const LEVELS: usize = 4;
-/// Largest root mean square distance from whole counts, in counts: 0.29 for other speeds, 0.01 for counts
-/// written with four digits.
-const OFF: f64 = 0.05;
-/// Ratio of the variances above that is nearer to that of counts, 1, than to that of rounded speeds, 2, by their
-/// logarithms.
-const TAKEN_BACK: f64 = 1.414;
-/// Variance of the second differences above that is nearer to that of counts, 20/12, than to that of rounded speeds,
-/// 6/12, by their logarithms.
-const COUNTED: f64 = 0.913;
-/// Variance of the second differences where counts are those of an angle: 20/12 by rounding, and as much by the motion.
-const ROUNDED: f64 = 2.0 * 20.0 / 12.0;
-/// Largest number of counts of the smallest speed of a recording.
-const MOST: u32 = 8;
-/// Rows over which drivers take means.
-const ROWS: usize = 8;
 
 /// The encoder from which speeds were computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +40,7 @@ pub struct Encoder {
 impl Encoder {
     /// Whether its speeds are differences over single rows in steps of `count_rad` \[rad\].
     fn counts(self, count_rad: f64) -> bool {
-        self.rows == 1 && (self.step_rad / count_rad - 1.0).abs() < SAME
+        self.rows == 1 && (self.step_rad / count_rad - 1.0).abs() < SPEEDS.same_count
     }
 }
 
@@ -158,14 +139,10 @@ fn counts_of(encoder: Encoder, omega: &[f64], steps: &[f64], described: bool) ->
     shown.then_some(Counts { step: step_rad, counts, rows })
 }
 
-/// Largest relative difference of the step of a grid from a described count: that of a factor stated with three digits
-/// (judgement: another encoder differs by more).
-const SAME: f64 = 1e-3;
-
 /// The counts of an encoder that the experiment file describes, if the speeds are differences of them over single rows.
 fn described(step_rad: f64, omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let sizes = sizes(&ways(omega, steps));
-    let step = on_grid(&sizes, step_rad).filter(|_| sizes.len() >= FEWEST)?;
+    let step = on_grid(&sizes, step_rad).filter(|_| sizes.len() >= SPEEDS.counted_rows)?;
     let is_same = Encoder { step_rad: step, rows: 1 }.counts(step_rad);
     is_same.then(|| Counts { step, counts: by_row(omega, steps, step, 1), rows: 1 })
 }
@@ -186,23 +163,24 @@ fn sizes(ways: &[f64]) -> Vec<f64> {
 fn counts(omega: &[f64], steps: &[f64]) -> Option<Counts> {
     let ways = ways(omega, steps);
     let sizes = sizes(&ways);
-    if sizes.len() < FEWEST {
+    if sizes.len() < SPEEDS.counted_rows {
         return None;
     }
     // a spike or a digit may be smaller still
-    let least = sizes[sizes.len() / FEWEST];
-    let step = (1..=MOST).find_map(|part| on_grid(&sizes, least / f64::from(part)))?;
+    let least = sizes[sizes.len() / SPEEDS.counted_rows];
+    let step =
+        (1..=SPEEDS.least_counts).find_map(|part| on_grid(&sizes, least / f64::from(part)))?;
     let mut levels: Vec<f64> = ways.iter().map(|d| (d / step).round()).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
-    if levels.len() < LEVELS {
+    if levels.len() < SPEEDS.counted_levels {
         return None;
     }
     let over = |rows: usize| {
         let step = step * rows as f64;
         Counts { step, counts: by_row(omega, steps, step, rows), rows }
     };
-    (1..=ROWS).map(over).find(|found| taken_back(&found.counts) == Some(true))
+    (1..=SPEEDS.mean_rows).map(over).find(|found| taken_back(&found.counts) == Some(true))
 }
 
 /// Counts of `step` from row to row, where each speed is the mean of those of `rows` rows and nothing moved before
@@ -221,7 +199,7 @@ fn on_grid(sizes: &[f64], step: f64) -> Option<f64> {
     let step = step_of_grid(sizes, step);
     let off = |d: &f64| (d / step - (d / step).round()).powi(2);
     let error = trimmed_mean_square(sizes.iter().map(off).collect()).sqrt();
-    (error < OFF).then_some(step)
+    (error < SPEEDS.off_counts).then_some(step)
 }
 
 /// Whether counting errors are compensated in the next row; `None` if motion hides this.
@@ -232,8 +210,8 @@ fn taken_back(counts: &[f64]) -> Option<bool> {
     };
     let pairs: Vec<f64> = counts.chunks_exact(2).map(|pair| pair[0] + pair[1]).collect();
     let single = variance(counts);
-    let taken_back = || single > COUNTED && variance(&pairs) < TAKEN_BACK * single;
-    (single > 0.0 && single < ROUNDED).then(taken_back)
+    let taken_back = || single > SPEEDS.counted && variance(&pairs) < SPEEDS.taken_back * single;
+    (single > 0.0 && single < SPEEDS.hidden_by_motion).then(taken_back)
 }
 
 #[cfg(test)]

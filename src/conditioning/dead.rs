@@ -23,6 +23,7 @@ use super::error::ConditioningError;
 use super::finding::{Channel, Finding, Kind, WHEELS};
 use super::input::speeds;
 use super::signal::{column, median_step, pieces, quantile};
+use super::thresholds::SAMPLES;
 use super::{Conditioned, Settings};
 use crate::math::noise::smallest_change;
 use crate::math::{fit, mean, runs, sgn};
@@ -31,22 +32,8 @@ use crate::recording::{SHORT, View, Window, windows_of};
 /// Shortest stretch, and shortest motion computed for it \[s\]; the reason is in the list of all thresholds
 /// (`diagnose/thresholds.rs`).
 pub(crate) const DEAD_S: f64 = 1.0;
-/// Shortest rest from which a start is counted, in windows.
-const REST: usize = 3;
-/// Fewest windows in motion: ten per coefficient that matters (inertia, Coulomb and viscous friction).
-const WINDOWS: usize = 30;
-/// Static friction over Coulomb friction, at most (Armstrong-Hélouvry et al., Automatica 30, 1994: below two).
-const STATIC: f64 = 2.0;
-/// Standard deviations of the fit that no motion is inferred from.
-const SURE: f64 = 3.0;
 /// Rows to either side of a stretch at which speeds do not contain its samples.
 const BESIDE: usize = 3;
-/// Share of the top speed below which a wheel counts as slow.
-const SLOW: f64 = 0.1;
-/// Steps of a sensor that the computed motion must exceed.
-const STEPS: f64 = 3.0;
-/// Part of the other wheel's input from which on a wheel counts as driven as well.
-const DRIVEN: f64 = 0.5;
 
 /// A stretch without a new value.
 struct Stretch {
@@ -159,7 +146,7 @@ impl<'a> Log<'a> {
         let stretch = |(k, rows): (usize, &Range<usize>)| {
             let others = inputs.iter().enumerate().filter(|(j, _)| *j != k);
             let starts = quantile(others.filter_map(|(_, input)| *input), 0.25);
-            let at_once = self.stops_and_starts_at_once(i, rows, SLOW * load.top);
+            let at_once = self.stops_and_starts_at_once(i, rows, SAMPLES.dead_slow * load.top);
             let or_blocked = if at_once { false } else { self.moves(&load, i, rows, starts)? };
             Some(Stretch { rows: rows.clone(), or_blocked })
         };
@@ -185,7 +172,7 @@ impl<'a> Log<'a> {
         let changes = (piece.start..piece.end.saturating_sub(BESIDE)).filter(inside);
         let changes = changes.map(|k| (self.omega[k + BESIDE][i] - self.omega[k][i]).abs());
         let usual = quantile(changes, 0.999);
-        let sudden = |speed: f64| speed > slow && speed > SURE * usual;
+        let sudden = |speed: f64| speed > slow && speed > SAMPLES.dead_errors * usual;
         usual > 0.0 && sudden(before) && sudden(after)
     }
 
@@ -193,7 +180,7 @@ impl<'a> Log<'a> {
     fn start(&self, load: &Load, i: usize, rows: &Range<usize>) -> Option<f64> {
         let ends = self.pieces.iter().any(|p| p.end == rows.end);
         let windows = self.windows(std::slice::from_ref(rows));
-        let last = windows.last().filter(|_| windows.len() >= REST && !ends)?;
+        let last = windows.last().filter(|_| windows.len() >= SAMPLES.rest_windows && !ends)?;
         Some(load.acting(last, i).abs())
     }
 
@@ -204,15 +191,17 @@ impl<'a> Log<'a> {
         let h = self.step * rows.len() as f64 / windows.len().max(1) as f64;
         let speed = self.omega[rows.start][i];
         // an angle that stands still is a rest, whatever the speed
-        let rests = c.alpha.is_some() || speed.abs() < SLOW * load.top;
+        let rests = c.alpha.is_some() || speed.abs() < SAMPLES.dead_slow * load.top;
         let acting: Vec<f64> = windows.iter().map(|w| load.acting(w, i)).collect();
+        let noise = SAMPLES.dead_errors * load.residual;
         let (mean, level) = match rests {
-            true => (0.0, starts.max(STATIC * load.friction + SURE * load.residual)),
-            false => (mean(acting.iter().copied()), SURE * load.residual),
+            true => (0.0, starts.max(SAMPLES.static_friction * load.friction + noise)),
+            false => (mean(acting.iter().copied()), noise),
         };
         let motion = load.motion(acting.iter().map(|m| m - mean), level, h);
-        let resolution = |v: &[[f64; 2]]| STEPS * smallest_change(&column(v, i)).unwrap_or(0.0);
-        let slow = (SLOW * load.top).max(match &c.alpha {
+        let resolution =
+            |v: &[[f64; 2]]| SAMPLES.dead_steps * smallest_change(&column(v, i)).unwrap_or(0.0);
+        let slow = (SAMPLES.dead_slow * load.top).max(match &c.alpha {
             Some(_) => 0.0,
             None => resolution(self.omega),
         });
@@ -231,7 +220,7 @@ impl<'a> Log<'a> {
         let rows = self.rests[i].iter().find(|rows| 2 * rows.len() > self.omega.len())?;
         let size = |j: usize| quantile(torque[rows.clone()].iter().map(|m| m[j].abs()), 0.9);
         let top = quantile(self.omega[rows.clone()].iter().map(|w| w[1 - i].abs()), 0.9);
-        let driven = size(i) > DRIVEN * size(1 - i) && size(i) > 0.0;
+        let driven = size(i) > SAMPLES.also_driven * size(1 - i) && size(i) > 0.0;
         (driven && top > 0.0).then(|| Stretch { rows: rows.clone(), or_blocked: true })
     }
 }
@@ -254,8 +243,8 @@ impl Load {
     fn of(windows: &[Window], i: usize) -> Option<Self> {
         let top = quantile(windows.iter().map(|w| w.speed[i].abs()), 0.99);
         let used: Vec<&Window> =
-            windows.iter().filter(|w| w.speed[i].abs() > 0.5 * SLOW * top).collect();
-        if used.len() < WINDOWS {
+            windows.iter().filter(|w| w.speed[i].abs() > 0.5 * SAMPLES.dead_slow * top).collect();
+        if used.len() < SAMPLES.fit_windows {
             return None;
         }
         let value = |w: &Window, j: usize| match j {
@@ -275,7 +264,7 @@ impl Load {
         let at = |j: usize| fit.coefficients.get(j).copied().unwrap_or(0.0);
         let sign = sgn(at(0));
         let inertia = at(0).abs();
-        (inertia > SURE * fit.std_errors[0]).then(|| Self {
+        (inertia > SAMPLES.dead_errors * fit.std_errors[0]).then(|| Self {
             sign,
             inertia,
             friction: (sign * at(1)).max(0.0),
@@ -324,7 +313,7 @@ fn constant(work: &Conditioned, i: usize, step: f64, pieces: &[Range<usize>]) ->
             // a filtered speed decays behind an angle that has stopped
             let from = (piece.start + 1..=start).rev();
             let held = from.take_while(|&k| c.alpha.is_some() && same(c.alpha.as_ref(), k)).count();
-            if step * (k - start) as f64 > REST as f64 * 0.1 {
+            if step * (k - start) as f64 > SAMPLES.rest_windows as f64 * 0.1 {
                 out.push(start - held..k);
             }
             start = k;

@@ -7,20 +7,8 @@ use std::ops::Range;
 
 use super::Conditioned;
 use super::input::speeds;
+use super::thresholds::SAMPLES;
 use crate::math::interpolate;
-
-/// Ratio to the largest of the other values above which a sample is far beyond all, the largest share of such samples,
-/// and the most of them in a row (judgement: a signal passes through the values below its largest ones; a value that
-/// marks another one as missing leaves all between them out, and is the exception among the rows).
-const BEYOND: f64 = 20.0;
-const MARKED: f64 = 0.05;
-const RUN: usize = 2;
-/// Ratio of the change of speed by a sample far beyond all to any other, from which the wheel responded to it
-/// (judgement: a torque that is twenty times larger for one row changes the speed by far more, noise by no more).
-const FELT: f64 = 2.0;
-
-/// Largest delay of the response of a wheel in rows.
-pub(super) const DELAY: usize = 10;
 
 /// An outlier: its rows, the correct value, and its deviation.
 #[derive(Clone, Debug)]
@@ -34,15 +22,15 @@ pub(super) struct Spike {
 pub(super) fn far_out(t: &[f64], values: &[f64]) -> Vec<Spike> {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
-    let most = (MARKED * values.len() as f64) as usize;
-    let is_gap = |k: &usize| sizes[*k] > 0.0 && sizes[k - 1] > BEYOND * sizes[*k];
+    let most = (SAMPLES.marks * values.len() as f64) as usize;
+    let is_gap = |k: &usize| sizes[*k] > 0.0 && sizes[k - 1] > SAMPLES.mark * sizes[*k];
     let Some(others) = (1..most).rev().find(is_gap).map(|k| sizes[k]) else { return vec![] };
     let is_far = |k: usize| values[k].abs() > others;
     let mut out: Vec<Spike> = vec![];
     let mut k = 0;
     while k < values.len() {
         let end = (k..values.len()).find(|j| !is_far(*j)).unwrap_or(values.len());
-        if end - k > RUN {
+        if end - k > SAMPLES.marks_in_a_row {
             return vec![];
         }
         // at an end of the recording the value of the neighbour
@@ -75,12 +63,14 @@ pub(super) fn in_order(mut all: Vec<Spike>, more: Vec<Spike>) -> Vec<Spike> {
 /// Whether the speed of a wheel changes behind some of these samples of its input by more than anywhere else.
 pub(super) fn are_felt(work: &Conditioned, far: &[Spike], i: usize) -> bool {
     let Some(speed) = speeds(work).filter(|_| !far.is_empty()) else { return false };
-    let near = |k: usize| far.iter().any(|s| (s.rows.start..s.rows.end + DELAY).contains(&k));
+    let near = |k: usize| {
+        far.iter().any(|s| (s.rows.start..s.rows.end + SAMPLES.response_rows).contains(&k))
+    };
     let largest = |is_near: bool| {
         let changes = (1..speed.len()).filter(|k| near(*k) == is_near);
         changes.map(|k| (speed[k][i] - speed[k - 1][i]).abs()).fold(0.0, f64::max)
     };
-    largest(true) > FELT * largest(false)
+    largest(true) > SAMPLES.mark_felt * largest(false)
 }
 
 #[cfg(test)]

@@ -15,16 +15,8 @@ use std::ops::Range;
 use super::cells::keep;
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_high, median_step, quantile};
+use super::thresholds::SPEEDS;
 use super::{Conditioned, Settings};
-
-/// Ratio of the angle of a value kept at rest to that of nine in ten others.
-const LONG: f64 = 3.0;
-/// Smallest number of rows of a value kept at rest: with fewer the angle of one value is known to less than a
-/// third.
-const ROWS: usize = 4;
-/// Part of the usual input below which it drives no more, and of a speed by which no wheel changes in a row after it
-/// has not changed at all.
-const HALF: f64 = 0.5;
 
 /// Leaves out the rows in which a speed is kept at rest, except the first.
 pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
@@ -67,11 +59,11 @@ fn frozen(work: &Conditioned, i: usize) -> Vec<Range<usize>> {
         let value = speed[run.start];
         let next = speed.get(run.end).map_or(f64::INFINITY, |next| (next - value).abs());
         let last = run.start.checked_sub(1).map_or(0.0, |k| (speed[k] - value).abs());
-        run.len() >= ROWS
-            && turned(run) > LONG * usual
-            && mean < HALF * input
-            && last < HALF * value.abs()
-            && next > HALF * value.abs()
+        run.len() >= SPEEDS.kept_rows
+            && turned(run) > SPEEDS.kept_angle * usual
+            && mean < SPEEDS.kept_half * input
+            && last < SPEEDS.kept_half * value.abs()
+            && next > SPEEDS.kept_half * value.abs()
     };
     moving().filter(is_frozen).map(|run| run.start + 1..run.end).collect()
 }

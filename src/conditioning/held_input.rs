@@ -16,16 +16,10 @@ use super::finding::Channel;
 use super::input::speeds;
 use super::signal::{column, median_high, pieces};
 use super::spikes::answer;
+use super::thresholds::INPUTS;
 use super::{Conditioned, Context, Settings};
 use crate::math::cumulative_trapezoid;
 use crate::recording::refreshed;
-
-/// Between held and not.
-const BETWEEN: f64 = 0.5;
-/// Number of standard errors for a significant response.
-const SURE: f64 = 4.0;
-/// Share of the rows in which both inputs, or neither, must have a new value.
-const TOGETHER: f64 = 0.95;
 
 /// Brings the recording to the rows of an input that was sampled more slowly than the sensors.
 pub(super) fn sampled(work: &mut Conditioned, settings: &Settings, context: &Context) {
@@ -41,12 +35,12 @@ pub(super) fn sampled(work: &mut Conditioned, settings: &Settings, context: &Con
     let alone = count(&|k| !right[k] && fresh[k]);
     if repeated == 0.0
         || 2.0 * alone < repeated
-        || count(&|k| right[k] == left[k]) < TOGETHER * rows
+        || count(&|k| right[k] == left[k]) < INPUTS.new_together * rows
     {
         return;
     }
     let Some((rho, error)) = goes_on(work, &right) else { return };
-    if rho - BETWEEN < SURE * error {
+    if rho - INPUTS.held < INPUTS.held_errors * error {
         return;
     }
     let cells: Vec<Cells> = columns(&work.channels)
@@ -73,7 +67,7 @@ fn goes_on(work: &Conditioned, new: &[bool]) -> Option<(f64, f64)> {
         let (input, speed) = (column(&c.torque, i), column(&omega, i));
         let integral = cumulative_trapezoid(&c.t, |k| input[k]);
         let (answer, its_error) = answer(&c.t, &integral, &speed, &[]);
-        if answer < SURE * its_error {
+        if answer < INPUTS.held_errors * its_error {
             return None;
         }
         for w in samples.windows(2) {

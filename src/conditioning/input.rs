@@ -3,23 +3,14 @@
 use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{FEW_LEVELS, column, levels, median_step, quantile};
+use super::thresholds::INPUTS;
 use super::{Conditioned, Context, Settings};
 use crate::math::Moments;
 use crate::recording::never_moves;
 
-/// Share of the top speed above which a wheel counts as turning in one direction.
-const MOVING: f64 = 0.2;
-/// Smallest number and share of the rows in each direction.
-const BOTH_WAYS: (usize, f64) = (20, 0.02);
 /// Time on either side over which a speed rises \[s\], and smallest number of rows: less than a start takes, and more
 /// than the noise of single rows.
 const RISE: (f64, usize) = (0.05, 2);
-/// Share of the backward rows that are those of steepest rise.
-const STEEPEST: f64 = 0.25;
-/// Smallest number of rows at rest before the start.
-const AT_REST: usize = 20;
-/// Largest offset as a share of the input's range; above it an external force holds the robot.
-const OFFSET: f64 = 0.1;
 
 /// Inputs of a few levels: their jumps are commands, not noise.
 pub(super) fn few_levels(work: &mut Conditioned) {
@@ -50,16 +41,18 @@ pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), Co
             input.iter_mut().for_each(|m| *m = -*m);
         }
         let range = of(&input, 0.95);
-        let fast = MOVING * quantile(speed.iter().map(|w| w.abs()), 0.99);
+        let fast = INPUTS.turns * quantile(speed.iter().map(|w| w.abs()), 0.99);
         let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
         let forward = speed.iter().filter(|w| **w > fast).count();
-        let enough = |n: usize| n >= BOTH_WAYS.0 && n as f64 > BOTH_WAYS.1 * speed.len() as f64;
+        let enough = |n: usize| {
+            n >= INPUTS.both_ways_rows && n as f64 > INPUTS.both_ways * speed.len() as f64
+        };
         // backward motion must occur under a substantial input, not while the wheel coasts: most of the time where
         // friction is large, as it gains speed where inertia is
         let is_input =
-            |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > OFFSET * range;
+            |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > INPUTS.offset * range;
         let driven = is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));
-        let negative = of(&input, 0.0) < -0.01 * range;
+        let negative = of(&input, 0.0) < -INPUTS.negative * range;
         if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
             continue;
         }
@@ -94,7 +87,7 @@ fn gaining(t: &[f64], speed: &[f64], backward: &[usize]) -> Vec<usize> {
     };
     let mut rows = backward.to_vec();
     rows.sort_by(|a, b| rise(*b).total_cmp(&rise(*a)));
-    rows.truncate((STEEPEST * rows.len() as f64).ceil() as usize);
+    rows.truncate((INPUTS.steepest * rows.len() as f64).ceil() as usize);
     rows
 }
 
@@ -112,9 +105,6 @@ pub(super) fn speeds(work: &Conditioned) -> Option<Vec<[f64; 2]>> {
     Some((0..alpha.len()).map(slope).collect())
 }
 
-/// Number of standard deviations within which a sensor at rest stays.
-const STILL: f64 = 5.0;
-
 /// Rows before the wheels first move: those in which no sensor changes, or changes by no more than its noise.
 /// With noisy sensors the last quarter is left out, since the input begins before the motion exceeds the
 /// noise.
@@ -125,24 +115,26 @@ fn rows_at_rest(work: &Conditioned) -> usize {
     let exact = (0..count)
         .take_while(|&k| stays(c.alpha.as_ref(), k) && stays(c.omega.as_ref(), k))
         .count();
-    if exact >= AT_REST || count <= 2 * AT_REST {
+    if exact >= INPUTS.at_rest_rows || count <= 2 * INPUTS.at_rest_rows {
         return exact;
     }
     let (mut rest, mut is_slow) = (count, true);
     for (signal, is_speed) in [(c.alpha.as_ref(), false), (c.omega.as_ref(), true)] {
         let Some(signal) = signal else { continue };
         for values in [0, 1].map(|i| column(signal, i)) {
-            let first = &values[..AT_REST];
+            let first = &values[..INPUTS.at_rest_rows];
             let Moments { count, mean, variance } = Moments::of(first.iter().copied());
             let (square, deviation) = ((count - 1.0) * variance, variance.sqrt());
-            let near = |v: &&f64| (**v - mean).abs() <= STILL * deviation;
+            let near = |v: &&f64| (**v - mean).abs() <= INPUTS.rest_errors * deviation;
             rest = rest.min(values.iter().take_while(near).count());
             // a steady drive is no rest
-            is_slow &= !is_speed || mean.abs() <= STILL * deviation / (AT_REST as f64).sqrt();
+            is_slow &= !is_speed
+                || mean.abs()
+                    <= INPUTS.rest_errors * deviation / (INPUTS.at_rest_rows as f64).sqrt();
             // from row to row, white noise changes more than motion does
             let changes = first.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>();
             is_slow &= changes >= square;
-            is_slow &= deviation < MOVING * quantile(values.iter().map(|v| v.abs()), 0.99);
+            is_slow &= deviation < INPUTS.turns * quantile(values.iter().map(|v| v.abs()), 0.99);
         }
     }
     if is_slow { rest * 3 / 4 } else { exact }
@@ -155,7 +147,7 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
     }
     let c = &work.channels;
     let rows = rows_at_rest(work);
-    if rows < AT_REST || rows == c.t.len() {
+    if rows < INPUTS.at_rest_rows || rows == c.t.len() {
         return;
     }
     let mut found = Vec::new();
@@ -164,9 +156,9 @@ pub(super) fn at_rest(work: &mut Conditioned, context: &Context) {
         let sample = Moments::of(still.iter().copied());
         let (mean, std_error) = (sample.mean, sample.std_error());
         let range = quantile(c.torque[rows..].iter().map(|m| m[i].abs()), 0.95);
-        if mean.abs() > 5.0 * std_error
+        if mean.abs() > INPUTS.offset_errors * std_error
             && mean != 0.0
-            && mean.abs() < OFFSET * range
+            && mean.abs() < INPUTS.offset * range
             && std_error > 0.0
         {
             let kind = Kind::RestOffset { mean, std_error };

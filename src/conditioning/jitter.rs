@@ -5,15 +5,10 @@ use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_step, pieces};
+use super::thresholds::TIMES;
 use super::{Conditioned, Context, Settings};
 use crate::math::rms;
 
-/// Scatter of the stamps, as a share of a row, below which they are left alone (judgement).
-const LITTLE: f64 = 0.01;
-/// Scatter beyond which a row cannot be distinguished from the next, and the share of rows with more above which rows
-/// are not counted by their stamps.
-const HALF: f64 = 0.5;
-const FEW: f64 = 0.05;
 /// Gain by which the clock that counts rows follows the stamps: over some twenty rows.
 const FOLLOWED: f64 = 0.05;
 /// Rows to either side over which the even times are a straight line: the drift of a clock takes longer.
@@ -21,8 +16,6 @@ const REACH: usize = 50;
 /// Rows per block of errors, and smallest number of blocks.
 const BLOCK: usize = 16;
 const BLOCKS: usize = 8;
-/// Standard errors by which the motion must be smoother on even times: one log in a million by chance.
-const SURE: f64 = 5.0;
 
 /// Puts rows on even times where the sensors move more smoothly on these than on the stamps.
 ///
@@ -63,10 +56,10 @@ fn evened(t: &[f64], pieces: &[Range<usize>]) -> Option<(Vec<f64>, f64)> {
     let off = |even: &[f64]| -> Vec<f64> {
         t.iter().zip(even).map(|(t, even)| (t - even) / step).collect()
     };
-    let far = off(&counted).iter().filter(|o| o.abs() > HALF).count() as f64;
-    let even = if far <= FEW * t.len() as f64 { counted } else { on_numbers(t) };
+    let far = off(&counted).iter().filter(|o| o.abs() > TIMES.row_unknown).count() as f64;
+    let even = if far <= TIMES.rows_unknown * t.len() as f64 { counted } else { on_numbers(t) };
     let share = rms(off(&even).into_iter());
-    (share > LITTLE && is_increasing(&even)).then_some((even, share))
+    (share > TIMES.scattered && is_increasing(&even)).then_some((even, share))
 }
 
 /// Puts rows that a receiver stamped in batches, one shortly after the other, at even times by their number, where the
@@ -75,7 +68,7 @@ fn in_batches(work: &mut Conditioned) -> bool {
     let t = &work.channels.t;
     let mean = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
     let starts: Vec<usize> = (0..t.len()).filter(|&k| k == 0 || t[k] - t[k - 1] >= mean).collect();
-    let close = t.windows(2).filter(|w| w[1] - w[0] < HALF * mean).count();
+    let close = t.windows(2).filter(|w| w[1] - w[0] < TIMES.row_unknown * mean).count();
     if 2 * close < t.len() {
         return false;
     }
@@ -172,7 +165,7 @@ fn is_smoother(values: &[[f64; 2]], t: &[f64], even: &[f64], pieces: &[Range<usi
     let of_block =
         |block: &Vec<(f64, f64)>| block.iter().map(|(e, d)| (e - share * d) * d).sum::<f64>();
     let std_error = blocks.iter().map(|b| of_block(b).powi(2)).sum::<f64>().sqrt() / square;
-    share - 0.5 > SURE * std_error
+    share - 0.5 > TIMES.even_times_errors * std_error
 }
 
 /// Errors of row `k` against the cubic through its four neighbours, relative to those of white noise.

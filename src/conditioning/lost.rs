@@ -1,10 +1,8 @@
 //! Rows that a logger lost, in which a held input took values that were not recorded.
 
+use super::thresholds::TIMES;
 use crate::math::median_step;
 use crate::recording::{REGULAR, is_gap};
-
-/// Part of a row by which steps of an even logger differ from whole rows at most (judgement).
-const EXACT: f64 = 0.1;
 
 /// An input that is held from row to row, with its mean until the next row where rows in between were lost, and the
 /// number of these. `None` if none is lost, or the rows are not even.
@@ -20,7 +18,7 @@ pub fn held_over_lost_rows(t: &[f64], torque: &[[f64; 2]]) -> Option<(Vec<[f64; 
     let steps = |k: usize| {
         let steps = (t[k + 1] - t[k]) / step;
         let whole = steps.round();
-        ((steps - whole).abs() < EXACT && !is_gap(t[k], t[k + 1], step)).then_some(whole)
+        ((steps - whole).abs() < TIMES.whole_rows && !is_gap(t[k], t[k + 1], step)).then_some(whole)
     };
     let whole: Vec<Option<f64>> = (0..t.len().saturating_sub(1)).map(steps).collect();
     let single = whole.iter().filter(|n| **n == Some(1.0)).count();

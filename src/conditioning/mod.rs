@@ -51,8 +51,9 @@ pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use lost::held_over_lost_rows;
 pub use settings::Settings;
 pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};
-pub use thresholds::{IMPORT, ImportThresholds};
+pub use thresholds::{CONDITIONING, ConditioningThresholds, IMPORT, ImportThresholds};
 
+use self::thresholds::TIMES;
 use crate::recording::Channels;
 
 /// Consistent channels, with the findings.
@@ -118,7 +119,7 @@ pub fn condition(
     rows::values(&mut work, settings, context);
     rows::times(&mut work, settings, context);
     let t = &work.channels.t;
-    if t.len() < FEWEST_ROWS || !signal::is_increasing(t) {
+    if t.len() < TIMES.fewest_rows || !signal::is_increasing(t) {
         // the check of the recording reports one that is too short, or a time that does not increase
         return Ok(work);
     }
@@ -143,6 +144,3 @@ pub fn condition(
     sensors::refresh(&mut work);
     Ok(work)
 }
-
-/// Fewest rows of a log that is conditioned; a shorter one is left as it is (judgement).
-const FEWEST_ROWS: usize = 50;

@@ -11,15 +11,8 @@
 use super::cells::{columns, put};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{is_increasing, median_high};
-use super::thresholds::IMPORT;
+use super::thresholds::{IMPORT, TIMES};
 use super::{Conditioned, Settings};
-
-/// Part of the cells of a column that may be empty without being examined: lost messages (judgement).
-const LOST: f64 = 0.05;
-/// Smallest number of steps between values: fewer show no rule.
-const FEWEST: usize = 10;
-/// Part of the largest speed below which a wheel is at rest (judgement).
-const AT_REST: f64 = 0.05;
 
 /// Holds the last value in the empty cells, if each sensor with empty cells is written on change; of an input as well,
 /// if its successive values differ.
@@ -31,7 +24,8 @@ pub(super) fn hold(work: &mut Conditioned, settings: &Settings) {
     let share = |v: &[f64]| v.iter().filter(|x| x.is_nan()).count() as f64 / v.len() as f64;
     let is_sensor = |c: Channel| matches!(c, Channel::Angle(_) | Channel::Speed(_));
     let all = columns(&work.channels);
-    let mut sensors = all.iter().filter(|(c, v)| is_sensor(*c) && share(v) > LOST).peekable();
+    let mut sensors =
+        all.iter().filter(|(c, v)| is_sensor(*c) && share(v) > TIMES.lost_cells).peekable();
     if sensors.peek().is_none() || !sensors.all(|(c, v)| is_written_on_change(*c, t, v)) {
         return;
     }
@@ -70,7 +64,7 @@ fn held(values: &[f64]) -> Vec<f64> {
 fn is_written_on_change(channel: Channel, t: &[f64], values: &[f64]) -> bool {
     let steps = steps(values);
     let near: Vec<[usize; 2]> = steps.iter().copied().filter(|[a, b]| b - a == 1).collect();
-    if steps.len() < FEWEST || 2 * near.len() < steps.len() || !differ(values) {
+    if steps.len() < TIMES.fewest_changes || 2 * near.len() < steps.len() || !differ(values) {
         return false;
     }
     let usual = median_high(near.iter().map(|[a, b]| t[*b] - t[*a]));
@@ -85,7 +79,7 @@ fn is_written_on_change(channel: Channel, t: &[f64], values: &[f64]) -> bool {
         |[a, b]: &[usize; 2]| (values[*b] - values[*a]).abs() <= most || values[*b] == 0.0;
     let rests = |step: &[usize; 2]| match channel {
         Channel::Angle(_) => goes_on(step),
-        Channel::Speed(_) => goes_on(step) && values[step[0]].abs() <= AT_REST * top,
+        Channel::Speed(_) => goes_on(step) && values[step[0]].abs() <= TIMES.rests_below * top,
         _ => false,
     };
     2 * rest > empty && long.iter().all(|step| rests(step))

@@ -9,10 +9,8 @@ use super::align::{Cells, align, new_in, read_together, refreshed_alone, without
 use super::cells::columns;
 use super::finding::Channel;
 use super::signal::{changes, median_high};
+use super::thresholds::TIMES;
 use super::{Conditioned, Context, Settings};
-
-/// Smallest ratio of the samples of two sensors that are read at the same rate.
-const HALF: f64 = 0.5;
 
 /// Leaves out slower sensors, and reads the others in the rows of the slowest.
 pub(super) fn alike(work: &mut Conditioned, settings: &Settings, context: &Context) {
@@ -39,7 +37,8 @@ fn are_read_in_turn(cells: &[Cells]) -> bool {
     let in_turn = |(first, second): (&[bool], &[bool])| {
         let rates = count(&|k| first[k]) / count(&|k| second[k]);
         let apart = count(&|k| first[k] != second[k]);
-        apart > count(&|k| first[k] && second[k]) && (HALF..=1.0 / HALF).contains(&rates)
+        apart > count(&|k| first[k] && second[k])
+            && (TIMES.same_rate..=1.0 / TIMES.same_rate).contains(&rates)
     };
     cells.iter().skip(1).any(|(_, other)| in_turn((&cells[0].1, other)))
 }

@@ -6,24 +6,14 @@ use super::clock;
 use super::finding::{Channel, Finding, Kind};
 use super::jitter;
 use super::signal::{is_increasing, median_high, median_step};
-use super::{Conditioned, Context, FEWEST_ROWS, Settings};
-
-/// A column that lacks more than this share of its values is slower than the rows, not damaged:
-/// lost messages leave a few gaps, a slow sensor leaves most rows empty.
-const SPARSE: f64 = 0.05;
-/// Rows after a backward step that must all lie before it, for a restarted clock. One row that is
-/// late, or a few that came in another order, do not repeat that often.
-const RESTARTED: usize = 10;
-
-/// Share of the steps of time that are negative, from which on the newest row is first (judgement: a log in its order
-/// has few, one that was written backward has hardly any others).
-const FALLING: f64 = 0.95;
+use super::thresholds::TIMES;
+use super::{Conditioned, Context, Settings};
 
 /// Turns the rows round where the newest is first.
 pub(super) fn newest_first(work: &mut Conditioned, settings: &Settings) {
     let c = &mut work.channels;
     let falls = c.t.windows(2).filter(|w| w[1] < w[0]).count();
-    if !settings.rows || c.t.len() < 2 || (falls as f64) < FALLING * (c.t.len() - 1) as f64 {
+    if !settings.rows || c.t.len() < 2 || (falls as f64) < TIMES.falling * (c.t.len() - 1) as f64 {
         return;
     }
     c.t.reverse();
@@ -49,7 +39,7 @@ pub(super) fn values(work: &mut Conditioned, settings: &Settings, context: &Cont
     let missing = |cells: &[bool]| cells.iter().filter(|c| !**c).count();
     let is_sparse = |(_, cells): &Cells| {
         let missing = missing(cells);
-        missing as f64 > SPARSE * count as f64 && missing < count
+        missing as f64 > TIMES.slow_column * count as f64 && missing < count
     };
     if cells.iter().any(is_sparse) {
         let cells = without_slow_pair(work, cells, settings, context);
@@ -112,7 +102,7 @@ fn received_at_once(work: &mut Conditioned, settings: &Settings, context: &Conte
     keep(&mut trial.channels, &flags);
     let apart = APART * median_step(&trial.channels.t);
     let t = &mut trial.channels.t;
-    if t.len() < FEWEST_ROWS || !(apart > 0.0) {
+    if t.len() < TIMES.fewest_rows || !(apart > 0.0) {
         return false;
     }
     (1..t.len()).for_each(|k| t[k] = t[k].max(t[k - 1] + apart));
@@ -136,8 +126,6 @@ fn received_at_once(work: &mut Conditioned, settings: &Settings, context: &Conte
 /// Periods of timers \[s\]: counters of 16 and 32 bits of milliseconds, and of 32 bits of microseconds; a day, half a
 /// day, an hour and a minute of a clock.
 const TIMERS: [f64; 7] = [65.536, 4_294_967.296, 4_294.967_296, 86_400.0, 43_200.0, 3600.0, 60.0];
-/// Tolerance of the time after a wrap in steps.
-const LATE: f64 = 2.0;
 
 /// Moves the rows after a restart behind those before it, with a gap between them. A clock that goes back by
 /// the period of a timer was not restarted: it wrapped, and there is no gap.
@@ -146,14 +134,15 @@ fn restarts(work: &mut Conditioned) {
     let step = median_high(t.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0));
     let mut restarts: Option<(usize, usize, f64)> = None;
     let mut wraps: Option<(usize, usize, f64)> = None;
-    for k in RESTARTED..t.len().saturating_sub(RESTARTED) {
-        let before = t[k - RESTARTED..k].iter().copied().fold(f64::INFINITY, f64::min);
-        let after = t[k..k + RESTARTED].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    for k in TIMES.restarted_rows..t.len().saturating_sub(TIMES.restarted_rows) {
+        let before = t[k - TIMES.restarted_rows..k].iter().copied().fold(f64::INFINITY, f64::min);
+        let after =
+            t[k..k + TIMES.restarted_rows].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if t[k] >= t[k - 1] || after >= before {
             continue;
         }
         let back_s = t[k - 1] - t[k];
-        let is_wrap = |period: &&f64| (back_s + step - **period).abs() < LATE * step;
+        let is_wrap = |period: &&f64| (back_s + step - **period).abs() < TIMES.after_wrap * step;
         let (found, size, shift) = match TIMERS.iter().find(is_wrap) {
             Some(period) => (&mut wraps, *period, *period),
             None => (&mut restarts, back_s, back_s + GAP_STEPS * step),

@@ -22,11 +22,12 @@ mod of_angle;
 
 use nalgebra::Vector2;
 
+use self::lag::pooled;
 pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
-use self::lag::{SMALL, SURE, pooled};
 pub use self::of_angle::common_share;
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{changes, column, median_step, noise_variance, pieces};
+use super::thresholds::SPEEDS;
 use super::{Conditioned, Context, Settings};
 use crate::math::{
     Line, NormalEquations, cumulative_trapezoid, interpolate, quantile, robust_deviation,
@@ -40,20 +41,8 @@ const WINDOW: (f64, usize) = (0.1, 4);
 const LONGEST: (f64, f64) = (0.25, 10.0);
 /// Longest difference of angles that is looked for \[samples\].
 const SPAN: usize = 16;
-/// Part of the speeds' own noise that differences of the angles may leave: an own sensor leaves at
-/// least all of it.
-const SHARED: f64 = 0.25;
-/// A lag of more samples is not one of reading one sensor after the other, but of a filter or a
-/// message that came late, which [`delayed::is_delayed`] distinguishes.
-const SKEW: f64 = 1.5;
-/// Robust deviations beyond which a window is left out: jumps of the angle.
-const FAR: f64 = 8.0;
-/// Share of the changes of the speed that must agree with a lag: with less, it is not the lag of the motion.
-const INFORMED: f64 = 0.5;
 /// Quantile of the speeds that is the top speed.
 const FAST: f64 = 0.99;
-/// As exactly, up to this factor.
-const EXACT: f64 = 3.0;
 
 /// A wheel's samples: the rows in which its sensors gave something new.
 struct Samples {
@@ -104,7 +93,7 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
     let Lag { value: lag_s, std_error: std_error_s } = lag;
     let spare = full_rate && samples.iter().all(|s| angles_suffice(s, lag_s));
     let is_filtered = || !samples.iter().all(|s| delayed::is_delayed(s, lag_s));
-    if lag_s.abs() > SKEW * step && spare && is_filtered() {
+    if lag_s.abs() > SPEEDS.skew * step && spare && is_filtered() {
         leave_out(work, settings, Kind::Filtered { lag_s, std_error_s });
     } else if context.speed_lag == SpeedLag::Disputed {
         let kind = Kind::LagsDiffer { lag_s, std_error_s };
@@ -130,7 +119,8 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
 fn shared(own: Option<Lag>, others: Option<Lag>) -> Option<Lag> {
     let agrees = |others: &Lag| {
         own.is_none_or(|own| {
-            (own.value - others.value).abs() < SURE * own.std_error.hypot(others.std_error)
+            (own.value - others.value).abs()
+                < SPEEDS.lag_errors * own.std_error.hypot(others.std_error)
         })
     };
     others.filter(agrees)
@@ -171,7 +161,7 @@ fn samples(work: &Conditioned, i: usize) -> Option<Samples> {
     let new = |k: usize| k == 0 || alpha[k] != alpha[k - 1] || omega[k] != omega[k - 1];
     let rows: Vec<usize> = (0..c.t.len()).filter(|&k| new(k)).collect();
     // where most rows repeat both; else every row is a sample
-    let all = 2 * rows.len() > c.t.len() || moves(&alpha) < 50;
+    let all = 2 * rows.len() > c.t.len() || moves(&alpha) < SPEEDS.fewest_moves;
     let rows = if all { (0..c.t.len()).collect() } else { rows };
     let t: Vec<f64> = rows.iter().map(|&k| c.t[k]).collect();
     let of = |v: &[f64]| rows.iter().map(|&k| v[k]).collect();
@@ -189,7 +179,7 @@ fn span(s: &Samples) -> Option<usize> {
     };
     let spans = (1..=SPAN.min(s.t.len() / 4)).map(|m| (m, rest(m)));
     let (m, least) = spans.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (own > 0.0 && least < SHARED * own).then_some(m)
+    (own > 0.0 && least < SPEEDS.shared_noise * own).then_some(m)
 }
 
 /// Lag of a wheel's speed, and whether it is exact. Where the windows far off the others are those in which the speed
@@ -198,19 +188,19 @@ fn span(s: &Samples) -> Option<usize> {
 fn lag(s: &Samples) -> Option<(Lag, bool)> {
     let way = integral(s);
     let windows = windows(s);
-    if windows.len() < 20 {
+    if windows.len() < SPEEDS.lag_windows {
         return None;
     }
     let found = |far: f64| minimum(s, |lag| solve(s, &way, &windows, lag, far));
-    let (lag, is_exact) = match found(FAR) {
-        Some((lag, informed)) if informed > INFORMED => (lag, true),
+    let (lag, is_exact) = match found(SPEEDS.jumps) {
+        Some((lag, informed)) if informed > SPEEDS.informed => (lag, true),
         _ => {
             let Lag { value, std_error } = found(f64::INFINITY)?.0;
-            (Lag { value, std_error: std_error.hypot(SMALL * s.step) }, false)
+            (Lag { value, std_error: std_error.hypot(SPEEDS.lag_rows * s.step) }, false)
         }
     };
     // read after the angle, a speed leads it by less than a row
-    let is_possible = lag.value > -s.step - SURE * lag.std_error;
+    let is_possible = lag.value > -s.step - SPEEDS.lag_errors * lag.std_error;
     is_possible.then_some((lag, is_exact))
 }
 
@@ -297,7 +287,7 @@ fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
 fn angles_suffice(s: &Samples, lag: f64) -> bool {
     let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
     let top = quantile(s.omega.iter().map(|w| w.abs()), FAST);
-    angle * 2.0_f64.sqrt() / lag.abs() < (EXACT * speed).max(RESOLVED * top)
+    angle * 2.0_f64.sqrt() / lag.abs() < (SPEEDS.as_accurate * speed).max(RESOLVED * top)
 }
 
 /// Reads the speeds later by `lag`: whole rows by moving them, the rest by the acceleration around,

@@ -17,24 +17,17 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::angles::excursions;
-use super::far_out::{DELAY, Spike, are_felt, far_out, in_order, without};
+use super::far_out::{Spike, are_felt, far_out, in_order, without};
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, pieces, quantile};
+use super::thresholds::SAMPLES;
 use super::{Conditioned, Context, Settings};
 use crate::math::noise::quantum;
 use crate::math::{NormalEquations, cumulative_trapezoid, interpolate, robust_deviation};
 use crate::recording::{refreshed, steps_before};
 
-/// See above.
-const FAR: f64 = 18.0;
 /// Number of samples to either side for the usual deviation.
 const AROUND: usize = 12;
-/// Largest share of isolated wrong samples; more of them are a property of the channel.
-const ISOLATED: f64 = 0.01;
-/// Part of a wrong sample that its neighbours may differ from what it alone explains.
-const ALONE: f64 = 0.25;
-/// Number of standard errors for a significant response, or its absence.
-const SURE: f64 = 4.0;
 
 /// Angles and speeds; after a step of the input a wheel that is fast against the rows may overshoot for a single row,
 /// which its angle does not.
@@ -123,7 +116,7 @@ fn of_angle(t: &[f64], mut values: Vec<f64>, samples: &[usize]) -> Vec<Spike> {
             values[k] = value;
         }
     }
-    if out.len() as f64 > ISOLATED * samples.len() as f64 {
+    if out.len() as f64 > SAMPLES.isolated * samples.len() as f64 {
         return vec![];
     }
     out.extend(spikes(t, &values, samples));
@@ -151,18 +144,18 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     for k in 0..out.len() {
         let (before, here, after) = (samples[k], samples[k + 1], samples[k + 2]);
         let beyond = [values[here] - values[before], values[here] - values[after]];
-        if beyond[0] * beyond[1] <= 0.0 || sizes[k] <= FAR * floor {
+        if beyond[0] * beyond[1] <= 0.0 || sizes[k] <= SAMPLES.spike * floor {
             continue;
         }
         let near = k.saturating_sub(AROUND)..(k + AROUND + 1).min(sizes.len());
         let usual = robust_deviation(sizes[near].iter().copied());
         let least = beyond[0].abs().min(beyond[1].abs());
-        if least > FAR * usual.max(floor) && is_alone(&out, k) {
+        if least > SAMPLES.spike * usual.max(floor) && is_alone(&out, k) {
             let value = values[here] - out[k];
             found.push(Spike { rows: here..after, value, out: out[k] });
         }
     }
-    let many = found.len() as f64 > ISOLATED * samples.len() as f64 && found.len() > 1;
+    let many = found.len() as f64 > SAMPLES.isolated * samples.len() as f64 && found.len() > 1;
     if many { vec![] } else { found }
 }
 
@@ -170,7 +163,7 @@ fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
 /// other side. A sharp turn of the motion does not show this.
 fn is_alone(out: &[f64], k: usize) -> bool {
     let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|j| out.get(j));
-    beside.into_iter().all(|z| (z + 0.5 * out[k]).abs() < ALONE * out[k].abs())
+    beside.into_iter().all(|z| (z + 0.5 * out[k]).abs() < SAMPLES.spike_alone * out[k].abs())
 }
 
 /// The samples of the input without a response of the wheel.
@@ -185,7 +178,7 @@ fn is_alone(out: &[f64], k: usize) -> bool {
 fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec<Spike> {
     let (t, Some(speed)) = (&work.channels.t, super::input::speeds(work)) else { return vec![] };
     let speed = column(&speed, i);
-    let slow = SLOW * quantile(speed.iter().map(|w| w.abs()), 0.95);
+    let slow = SAMPLES.stopping * quantile(speed.iter().map(|w| w.abs()), 0.95);
     let moves = |k: usize| {
         let near = &speed[k.saturating_sub(NEAR)..(k + NEAR + 1).min(speed.len())];
         near.iter().all(|w| *w > slow) || near.iter().all(|w| *w < -slow)
@@ -193,7 +186,7 @@ fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec
     let found: Vec<Spike> = found.into_iter().filter(|s| moves(s.rows.start)).collect();
     let integral = cumulative_trapezoid(t, |k| input[k]);
     let bend = |v: &[f64], k: usize| 3.0 * (v[k + 1] - v[k - 1]) - (v[k + 3] - v[k - 3]);
-    let rows = 3..t.len().saturating_sub(3 + DELAY);
+    let rows = 3..t.len().saturating_sub(3 + SAMPLES.response_rows);
     let at: Vec<usize> = found.iter().map(|s| s.rows.start).filter(|k| rows.contains(k)).collect();
     let size: f64 = at.iter().map(|&k| bend(&integral, k).powi(2)).sum();
     let noise = robust_deviation(rows.map(|k| bend(&speed, k)));
@@ -201,10 +194,11 @@ fn unfelt(work: &Conditioned, input: &[f64], found: Vec<Spike>, i: usize) -> Vec
     let there = |delay: usize| {
         at.iter().map(|&k| bend(&integral, k) * bend(&speed, k + delay)).sum::<f64>() / size
     };
-    let strongest = (0..=DELAY).map(there).fold(f64::NEG_INFINITY, f64::max);
+    let strongest = (0..=SAMPLES.response_rows).map(there).fold(f64::NEG_INFINITY, f64::max);
     let (usual, its_error) = answer(t, &integral, &speed, &found);
-    let known = size > 0.0 && usual > SURE * its_error;
-    let felt = strongest > SURE * error || strongest + SURE * error >= 0.5 * usual;
+    let known = size > 0.0 && usual > SAMPLES.spike_errors * its_error;
+    let felt = strongest > SAMPLES.spike_errors * error
+        || strongest + SAMPLES.spike_errors * error >= 0.5 * usual;
     if known && !felt { found } else { vec![] }
 }
 
@@ -224,10 +218,7 @@ pub(super) fn answer(t: &[f64], integral: &[f64], speed: &[f64], found: &[Spike]
 
 /// Rows of a stretch.
 const STRETCH: usize = 10;
-/// Part of the fastest speed below which a wheel may be stopping, and rows around a pulse in which it
-/// must be faster.
-const SLOW: f64 = 0.05;
-/// See above.
+/// Rows around a pulse in which a wheel must be faster than one that stops.
 const NEAR: usize = 4;
 
 #[cfg(test)]

@@ -19,25 +19,14 @@ use std::ops::Range;
 
 use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high, pieces};
+use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
 use crate::math::noise::grid;
 
-/// Motion of a row in quanta above which equal angles in two rows are not due to rounding.
-const QUANTA: f64 = 4.0;
 /// Rows to either side whose digits are those of a row.
 const NEAR: usize = 50;
 /// Rows to either side whose motion is usual.
 const AROUND: usize = 4;
-/// Smallest motion of the rows next to a stale one, in usual motions: half way between a wheel that keeps
-/// moving and one that comes to rest.
-const SLOWEST: f64 = 0.5;
-/// Motion of a row that skips a sample, in usual motions: nearer to two than to one or three.
-const SKIPPED: Range<f64> = 1.5..2.5;
-/// Stale rows from which on a log has them: clocks that drift against each other meet more than once, while a single
-/// such row is due to a coarse encoder or slip.
-const FEWEST: usize = 3;
-/// Share of stale rows above which the sensor is slower than the rows.
-const MANY: f64 = 0.1;
 
 /// Moves late samples to their rows.
 pub(super) fn rows(work: &mut Conditioned, settings: &Settings) {
@@ -82,15 +71,15 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
         alpha[k] == alpha[k - 1] && c.omega.as_ref().is_none_or(|omega| omega[k] == omega[k - 1])
     };
     // the motion of most logs need not be examined
-    if (1..alpha.len()).filter(|&k| repeats(k)).count() < FEWEST {
+    if (1..alpha.len()).filter(|&k| repeats(k)).count() < ANGLES.fewest_stale {
         return None;
     }
     let columns = [column(alpha, 0), column(alpha, 1)];
-    let least = [0, 1].map(|i| QUANTA * grid(&columns[i]).unwrap_or(0.0));
+    let least = [0, 1].map(|i| ANGLES.stale_quanta * grid(&columns[i]).unwrap_or(0.0));
     // a logger of so many digits rounds large angles more coarsely
     let rounds = |i: usize, k: usize| {
         let near = &columns[i][k.saturating_sub(NEAR)..(k + NEAR).min(columns[i].len())];
-        QUANTA * grid(near).unwrap_or(0.0)
+        ANGLES.stale_quanta * grid(near).unwrap_or(0.0)
     };
     let mut out: Vec<Late> = Vec::new();
     let to = |from: usize, end: usize| Late { rows: from..end, until_end: false };
@@ -108,21 +97,28 @@ fn late(work: &Conditioned) -> Option<Vec<Late>> {
             let step = |i: usize| columns[i][k] - columns[i][k - 1];
             // a wheel that stops or reverses within a row is slow in the neighbouring rows
             let goes_on = |i: usize| {
-                let slow = SLOWEST * usual[i].abs();
+                let slow = ANGLES.stale_beside * usual[i].abs();
                 [k - 1, k + 1].iter().all(|&j| (columns[i][j] - columns[i][j - 1]).abs() >= slow)
             };
             let is_clear = |i: usize| usual[i].abs() > rounds(i, k);
             if repeats(k) && (0..2).all(|i| !moves[i] || (k > 1 && goes_on(i) && is_clear(i))) {
                 stale += 1;
                 out.extend(open.replace(k).map(|from| to(from, from + 1)));
-            } else if (0..2).all(|i| !moves[i] || SKIPPED.contains(&(step(i) / usual[i]))) {
+            } else if (0..2).all(|i| !moves[i] || is_skipped(step(i) / usual[i])) {
                 out.extend(open.take().map(|from| to(from, k)));
             }
         }
         let until_end = |from| Late { rows: from..piece.end, until_end: true };
         out.extend(open.filter(|from| from + 2 < piece.end).map(until_end));
     }
-    (stale >= FEWEST && stale as f64 <= MANY * f64::from(moving)).then_some(out)
+    (stale >= ANGLES.fewest_stale && stale as f64 <= ANGLES.most_stale * f64::from(moving))
+        .then_some(out)
+}
+
+/// Whether a motion of a row, in usual motions, skips a sample.
+fn is_skipped(motion: f64) -> bool {
+    let [least, most] = ANGLES.skipped;
+    (least..most).contains(&motion)
 }
 
 /// The usual motion of a row around row `k`, without its own; none where the wheel starts, stops or turns round there.

@@ -1,5 +1,47 @@
 //! Limits of conditioning and import that decide what is reported or which column is used, with their reasons.
 
+mod angles;
+mod inputs;
+mod samples;
+mod speeds;
+mod times;
+
+pub(super) use angles::ANGLES;
+use angles::Angles;
+pub(super) use inputs::INPUTS;
+use inputs::Inputs;
+pub(super) use samples::SAMPLES;
+use samples::Samples;
+pub(super) use speeds::SPEEDS;
+use speeds::Speeds;
+pub(super) use times::TIMES;
+use times::Times;
+
+/// Limits by which faults of sensors and loggers are distinguished from motion. All are dimensionless, or counts of rows
+/// and windows. Those marked "judgement" are choices; the others follow from statistics or physics.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct ConditioningThresholds {
+    /// Time stamps, rows and empty cells.
+    pub times: Times,
+    /// Wheel angles, alone and beside the speeds.
+    pub angles: Angles,
+    /// Wrong samples, and sensors without a new value.
+    pub samples: Samples,
+    /// Speeds: counts of an encoder, rests and delays.
+    pub speeds: Speeds,
+    /// Inputs: magnitudes, offsets and held values.
+    pub inputs: Inputs,
+}
+
+/// The limits in use.
+pub const CONDITIONING: ConditioningThresholds = ConditioningThresholds {
+    times: TIMES,
+    angles: ANGLES,
+    samples: SAMPLES,
+    speeds: SPEEDS,
+    inputs: INPUTS,
+};
+
 /// Limits of conditioning and import. The ending of a name is its unit (`_s`, `_hz`); the others are dimensionless. Those
 /// marked "judgement" are choices of what is worth reporting.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]

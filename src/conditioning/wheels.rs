@@ -12,14 +12,11 @@
 use super::finding::{Channel, Finding, Kind};
 use super::input::speeds;
 use super::signal::{median_step, pieces};
+use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
 use crate::recording::{
     View, Window, exchanged_input, exchanged_speeds, opposing_input, short_windows_of, windows_of,
 };
-
-/// Share of the windows in which the wheels turn against each other beyond which a wheel counts mirrored:
-/// only a turning test is driven like that.
-const MIRRORED: f64 = 2.0 / 3.0;
 
 /// Assigns speeds or angles to the wheel that they follow.
 pub(super) fn exchanged_sensors(work: &mut Conditioned, settings: &Settings) {
@@ -90,7 +87,7 @@ fn turn(work: &mut Conditioned, settings: &Settings, channel: Channel, i: usize)
 fn are_opposed(windows: &[Window]) -> bool {
     let moving = windows.iter().filter(|w| w.speed[0] * w.speed[1] != 0.0).count();
     let opposed = windows.iter().filter(|w| w.speed[0] * w.speed[1] < 0.0).count();
-    opposed as f64 > MIRRORED * moving as f64
+    opposed as f64 > ANGLES.mirrored * moving as f64
 }
 
 fn windows(work: &Conditioned) -> Vec<Window> {

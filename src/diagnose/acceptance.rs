@@ -46,7 +46,7 @@ impl Fall {
 /// that acts in a few windows (a warm-up, a limit that is seldom reached) is not tested on the noise of all others.
 /// Where fewer than four windows show anything, all count alike.
 #[must_use]
-pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
+pub(super) fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     let rows = before.iter().zip(after).zip(weight);
     let (d, w): (Vec<f64>, Vec<f64>) = rows
         .filter(|((b, a), _)| **b > 0.0 && **a > 0.0)
@@ -55,8 +55,8 @@ pub fn fall_of(before: &[f64], after: &[f64], weight: &[f64]) -> Fall {
     if d.len() < THRESHOLDS.fewest_windows || !d.iter().all(|v| v.is_finite()) {
         return Fall::NONE;
     }
-    let telling = effective(&w) >= THRESHOLDS.fewest_windows as f64;
-    let w = if telling { w } else { vec![1.0; d.len()] };
+    let is_enough = effective(&w) >= THRESHOLDS.fewest_windows as f64;
+    let w = if is_enough { w } else { vec![1.0; d.len()] };
     let p_value = probability(&d, &w);
     let mean = mean(d.iter().copied());
     let ratio = (after.iter().sum::<f64>() / before.iter().sum::<f64>()).sqrt();

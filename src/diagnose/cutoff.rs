@@ -26,10 +26,10 @@ pub fn cutoff(recordings: &[&Recording], mobility: f64) -> f64 {
         let noise = r.motion_noise().omega;
         let sigma = noise[0].max(noise[1]).max(1e-9 * r.top_speed());
         let allowed = NOISE * rms * mobility / sigma;
-        let fresh = r.fresh().iter().filter(|f| **f).count().max(1) as f64 / r.len() as f64;
+        let new = r.readings() as f64 / r.len() as f64;
         let eight = 8.0 * std::f64::consts::PI.powi(2);
-        let by_noise = (allowed * allowed * 3.0 * rate * fresh / eight).cbrt();
-        by_noise.min(RESOLVED * rate * fresh).max(CYCLES / r.covered()).min(0.4 * rate)
+        let by_noise = (allowed * allowed * 3.0 * rate * new / eight).cbrt();
+        by_noise.min(RESOLVED * rate * new).max(CYCLES / r.covered()).min(0.4 * rate)
     };
     recordings.iter().map(one).fold(f64::INFINITY, f64::min)
 }

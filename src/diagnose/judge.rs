@@ -7,7 +7,7 @@ use super::outcome::Diagnosis;
 use super::thresholds::THRESHOLDS;
 use super::verdict::{Errors, structure};
 use crate::compare::{
-    Asked, Dependence, WINDOW, WindowFloor, ise, persistence_rms, pooled_floor, sensor_floor,
+    Asked, Dependence, WindowFloor, ise, persistence_rms, pooled_floor, sensor_floor,
     simulate_recording, unexplained_torque, unresolved, window_rms,
 };
 use crate::filter::{Likelihood, prepare};
@@ -15,7 +15,7 @@ use crate::math::mean;
 use crate::model::{Model, ModelError};
 use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::robot::State;
-use crate::simulate::{Hold, PhysicalDynamics, SimulateError, halved};
+use crate::simulate::{Hold, PhysicalDynamics, SimulateError, WINDOW, halved};
 
 /// Relative difference of the errors of two simulations that rounding explains.
 const ROUNDING: f64 = 1e-9;

@@ -28,7 +28,7 @@ const DEPENDENT: f64 = 1e-8;
 const SHIFTS: usize = 8;
 
 /// The rows of all recordings on which candidates are regressed.
-pub struct Regression<'a> {
+pub(super) struct Regression<'a> {
     model: &'a Model,
     p: &'a [f64],
     speed: f64,
@@ -46,12 +46,12 @@ pub struct Regression<'a> {
     beside: Vec<f64>,
     width: usize,
     /// Independent values among the rows.
-    pub degrees: f64,
+    pub(super) degrees: f64,
 }
 
 /// Memory for the columns of a candidate, to be used again for the next one.
 #[derive(Default)]
-pub struct Buffers {
+pub(super) struct Buffers {
     signals: Vec<Vec<[f64; 2]>>,
     filter: FilterBuffer,
     rows: Vec<f64>,
@@ -61,7 +61,7 @@ impl<'a> Regression<'a> {
     /// The regression of `smoothed` recordings on the free parameters of `model` around `p`; speeds below a share of
     /// `speed` [rad/s] count as rest. `None` if no rows are left.
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         model: &'a Model,
         p: &'a [f64],
         smoothed: &Smoothed<'a>,
@@ -191,13 +191,13 @@ impl<'a> Regression<'a> {
     /// Time over which [`Regression::squares_at_shifts`] hardly changes \[s\]: an eighth of the period of a square of
     /// what the low-pass leaves.
     #[must_use]
-    pub fn smooth_over(&self) -> f64 {
+    pub(super) fn smooth_over(&self) -> f64 {
         1.0 / (16.0 * self.smoothed.cutoff)
     }
 
     /// Residual sum of squares of the base.
     #[must_use]
-    pub fn residual_square(&self) -> f64 {
+    pub(super) fn residual_square(&self) -> f64 {
         self.residual.norm_squared()
     }
 
@@ -207,7 +207,7 @@ impl<'a> Regression<'a> {
     /// |r + (I - QQ')c|² = |r|² + 2 r'c + |c|² - |Q'c|²,   Q'r = 0
     /// ```
     #[must_use]
-    pub fn squares_at_shifts(&self, shifts: &[f64]) -> Vec<f64> {
+    pub(super) fn squares_at_shifts(&self, shifts: &[f64]) -> Vec<f64> {
         shifts.chunks(SHIFTS).flat_map(|some| self.squares_side_by_side(some)).collect()
     }
 
@@ -256,7 +256,7 @@ impl<'a> Regression<'a> {
     /// LR = n ln(RSS0/RSS1),   n = 2 fc T
     /// ```
     #[must_use]
-    pub fn ratio(&self, candidate: &Candidate, memory: &mut Buffers) -> (f64, Vec<f64>) {
+    pub(super) fn ratio(&self, candidate: &Candidate, memory: &mut Buffers) -> (f64, Vec<f64>) {
         let (count, base) = (candidate.columns(), self.basis.ncols());
         let none = (0.0, vec![0.0; count]);
         let Products { among, beside } = self.products(candidate, memory);
@@ -278,7 +278,7 @@ impl<'a> Regression<'a> {
     /// the candidate that together explain the input torque. The regression has no stiction, which can trap a
     /// simulation that starts from wrong values.
     #[must_use]
-    pub fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
+    pub(super) fn start(&self, candidate: &Candidate) -> Option<(Vec<f64>, Vec<f64>)> {
         let (rows, count) = (self.rows.len(), candidate.columns());
         let base = self.base.ncols();
         let mut all = DMatrix::zeros(rows, base + count);

@@ -18,7 +18,7 @@ use crate::robot::State;
 const COLLINEAR: f64 = 1e-7;
 
 /// The errors of the windows, with the regressors of the base model.
-pub struct Screen<'a> {
+pub(super) struct Screen<'a> {
     model: &'a Model,
     windows: &'a Windows<'a>,
     rows: Vec<Rows>,
@@ -85,7 +85,7 @@ impl<'a> Screen<'a> {
     /// The errors of `windows` under `model` at `p`, with `degrees` independent values among them. `None`
     /// where it cannot be simulated.
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         model: &'a Model,
         p: &'a [f64],
         windows: &'a Windows<'a>,
@@ -231,7 +231,7 @@ impl<'a> Screen<'a> {
     /// LR = n ln(S0/S1),   S: squared error of the windows
     /// ```
     #[must_use]
-    pub fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
+    pub(super) fn ratio(&self, candidate: &Candidate) -> (f64, Vec<f64>) {
         let count = candidate.columns();
         let (h, g) = self.completed(&[self.products(candidate, |_| true)]);
         let base: Vec<usize> = (0..self.base).collect();

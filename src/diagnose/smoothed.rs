@@ -20,7 +20,7 @@ pub(super) struct Smooth<'a> {
 
 /// Low-passed recordings, computed once for all regressions.
 #[derive(Clone)]
-pub struct Smoothed<'a> {
+pub(super) struct Smoothed<'a> {
     /// Cut-off of the low-pass \[Hz\].
     pub(super) cutoff: f64,
     pub(super) recordings: Arc<[Smooth<'a>]>,
@@ -29,7 +29,7 @@ pub struct Smoothed<'a> {
 impl<'a> Smoothed<'a> {
     /// `recordings` low-passed at a cut-off frequency \[Hz\].
     #[must_use]
-    pub fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
+    pub(super) fn new(recordings: &[&'a Recording], cutoff: f64) -> Self {
         let one = |(index, recording): (usize, &&'a Recording)| {
             let motion = smooth_motion(recording, cutoff);
             let once = filtered(recording, cutoff, recording.torque());

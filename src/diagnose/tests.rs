@@ -4,6 +4,9 @@ mod differences;
 mod starts;
 mod timing;
 
+use super::regression::{Buffers, Regression};
+use super::screen::Screen;
+use super::smoothed::Smoothed;
 use super::*;
 use crate::effects::Scale;
 use crate::identify::{Task, start};

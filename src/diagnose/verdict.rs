@@ -38,21 +38,23 @@ pub struct Errors {
     pub speed: f64,
 }
 
+/// Share of a squared error above the floor that remains after a reduction: 0 at the floor, 1 without any reduction.
+///
+/// ```text
+/// x = (V_after - V_floor) / (V_before - V_floor)
+/// ```
+/// Zero where the error before it is within 2 % of the floor: there is nothing to explain.
+#[must_use]
+pub(super) fn unexplained(before: f64, after: f64, floor: f64) -> f64 {
+    explainable(before, floor).map_or(0.0, |whole| ((after - floor) / whole).clamp(0.0, 1.0))
+}
+
 impl Errors {
-    /// Remaining share of the error above the floor: 0 at the floor, 1 without any reduction.
-    ///
-    /// ```text
-    /// x = (V_after - V_floor) / (V_before - V_floor)
-    /// ```
-    /// Zero where the model as given is within 2 % of the floor: there is nothing to explain.
+    /// Remaining share of the error above the floor: 0 at the floor, 1 without any reduction, 0 where the model as given is
+    /// within 2 % of the floor.
     #[must_use]
     pub fn unexplained(&self) -> f64 {
-        self.left(self.after)
-    }
-
-    fn left(&self, after: f64) -> f64 {
-        explainable(self.before, self.floor)
-            .map_or(0.0, |whole| ((after - self.floor) / whole).clamp(0.0, 1.0))
+        unexplained(self.before, self.after, self.floor)
     }
 
     /// Whether the recordings are too steady for any conclusion: a model of constant speeds, of squared error `change`,
@@ -213,7 +215,8 @@ pub fn withheld(diagnosis: &Diagnosis, rate: f64) -> Option<&Ranked> {
 /// evidence, because its test treats rows as independent.
 #[must_use]
 pub fn conclude(found: usize, errors: &Errors, likely: Option<f64>, structure: bool) -> Conclusion {
-    let explained = |after: f64| errors.left(after) <= THRESHOLDS.unexplained;
+    let explained =
+        |after: f64| unexplained(errors.before, after, errors.floor) <= THRESHOLDS.unexplained;
     match likely {
         _ if found > 0 && !(errors.above_floor() && errors.above_all()) => Conclusion::Missing,
         _ if found > 0 && explained(errors.after) && errors.useful() => Conclusion::Missing,

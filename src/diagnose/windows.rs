@@ -24,7 +24,6 @@ pub(super) use self::sums::{Sums, quadratic_of};
 use self::window::{See, Window, cut};
 use super::input_timing::input_derivatives;
 use super::thresholds::THRESHOLDS;
-use crate::compare::start_of;
 use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
 use crate::math::median;
@@ -70,7 +69,7 @@ impl<'a> Windows<'a> {
             for piece in rows {
                 windows.extend(cut(recording, piece).map(|rows| {
                     let motion = &recording.local_motion()[rows.start];
-                    let (start, variance) = (start_of(motion), motion.omega_variance);
+                    let (start, variance) = (motion.start(), motion.omega_variance);
                     Window { recording: r, rows, start, variance, share: [1.0; 2], growing: None }
                 }));
             }

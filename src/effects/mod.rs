@@ -19,7 +19,7 @@ pub use effect::{
 };
 pub use motion::{DIRECTIONS, Motion, Terms, along, with_friction};
 pub use scale::{FAST, Scale, geometric};
-pub use text::{details, details_of, overview};
+pub use text::{details, overview};
 pub use wave::{Cycle, Wave};
 
 use crate::catalogue;

@@ -38,7 +38,7 @@ pub fn details(id: &str) -> Option<String> {
 
 /// The description of an effect, registered or custom.
 #[must_use]
-pub fn details_of(effect: &dyn Effect) -> String {
+fn details_of(effect: &dyn Effect) -> String {
     let d = effect.description();
     let mut out = format!("{} ({})\n\n", d.title, d.id);
     let mut line = |name: &str, text: &str| {

@@ -9,14 +9,13 @@ use super::error::{ExperimentError, Meaning, words};
 use super::plan::{DiagnosisPlan, MeasuredRecording, Plan, PlanOptions};
 use super::remark::Remark;
 use super::robot_table::has_no_track;
-use crate::compare::WINDOW;
 use crate::diagnose::Untimed;
 use crate::effects;
 use crate::model::Model;
 use crate::model::base::{A1, A2, A3};
 use crate::recording::{Lacking, Recording, lacking};
 use crate::robot::Robot;
-use crate::simulate::Gain;
+use crate::simulate::{Gain, WINDOW};
 use crate::study::Role;
 
 impl Plan {

@@ -9,7 +9,7 @@ use super::fits::fits_with;
 use super::plan::{DiagnosisPlan, Plan};
 use super::robot_table::has_no_track;
 use super::stages::Stages;
-use crate::compare::{Curve, WINDOW, WindowFloor};
+use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{
     Data, Diagnosis, INPUT_SHIFT, Progress, Settings, THRESHOLDS, Timing, WindowFit,
     with_later_input,
@@ -19,7 +19,7 @@ use crate::identify::{IdentifyError, Note, Task, start, start_without_friction};
 use crate::model::Model;
 use crate::model::base::{A1, A2, A4, A5};
 use crate::recording::Recording;
-use crate::simulate::PhysicalDynamics;
+use crate::simulate::{PhysicalDynamics, WINDOW};
 use crate::study::{DiagnosisStudy, MethodAtFloor, MethodStudy, Role, Undetermined};
 use crate::verdict::{Basis, Settled};
 

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::compare::WINDOW;
 use crate::recording::DriveUnit;
+use crate::simulate::WINDOW;
 
 /// A remark on a file or its recordings.
 #[derive(Clone, Debug, PartialEq)]

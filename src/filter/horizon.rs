@@ -106,8 +106,7 @@ impl<'a> HorizonFilter<'a> {
     /// Variances of (alpha1, alpha2, omega1, omega2) at a horizon \[s\].
     fn variance(&self, r: usize, horizon: f64) -> [f64; 4] {
         let (prepared, recording) = (&self.prepared[r], self.prepared[r].recording);
-        let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
-        let refresh = recording.step() * recording.len() as f64 / fresh as f64;
+        let refresh = recording.reading_interval();
         let q = (self.input_noise(r, self.alike) / self.inertia).powi(2) * refresh;
         let more = [q * horizon.powi(4) / (4.0 * refresh), q * horizon.powi(2) / refresh];
         std::array::from_fn(|i| prepared.variance[i] + more[i / 2])

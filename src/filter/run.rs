@@ -167,7 +167,7 @@ impl<'a, D: Dynamics<N>, const N: usize> Run<'a, D, N> {
             let moved = (&self.dynamics.transition(), &self.dynamics.gain());
             input_noise.carry(moved, slopes, sample.step, sample.still);
         }
-        if self.prepared.recording.fresh()[k] {
+        if self.prepared.recording.is_reading(k) {
             self.measure(k);
         }
         Ok(())

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, Note, OptionError, PhysicalBound, Status,
-    Task, Unsupported, from_options, options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, Note, PhysicalBound, Status, Task,
+    Unsupported, fields_as_options,
 };
 use crate::math::robust::HUBER_THRESHOLD;
 use crate::math::{clustered_covariance, robust_deviation};
@@ -81,13 +81,7 @@ impl Identifier for ConstrainedRegression {
         false
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;

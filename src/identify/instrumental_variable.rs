@@ -9,8 +9,7 @@ use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{Regression, Source};
 use super::linear_fit::settle;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, from_options,
-    options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, Status, Task, fields_as_options, start,
 };
 use crate::math::{clustered_covariance, pseudo_inverse};
 use crate::simulate::{Gain, PhysicalDynamics, Structure, emulate};
@@ -75,13 +74,7 @@ impl Identifier for InstrumentalVariable {
         false
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;

@@ -130,6 +130,23 @@ pub trait Identifier: std::fmt::Debug + Send + Sync {
     }
 }
 
+/// [`Identifier::schema`] and [`Identifier::configure`] of a method whose options are its fields.
+macro_rules! fields_as_options {
+    ($name:expr) => {
+        fn schema(&self) -> schemars::Schema {
+            $crate::identify::options_schema::<Self>()
+        }
+
+        fn configure(
+            &self,
+            options: &toml::Table,
+        ) -> Result<Box<dyn $crate::identify::Identifier>, $crate::identify::OptionError> {
+            Ok(Box::new($crate::identify::from_options::<Self>($name, options)?))
+        }
+    };
+}
+pub(crate) use fields_as_options;
+
 /// Reads a method with `#[serde(default, deny_unknown_fields)]` from its options, and holds its
 /// numbers to the ranges of its schema.
 ///
@@ -179,7 +196,7 @@ fn range_in_words(option: &Value) -> Option<String> {
 
 /// The options that a schema describes, in its order.
 #[must_use]
-pub fn options_of(schema: &Schema) -> Vec<MethodOption> {
+fn options_of(schema: &Schema) -> Vec<MethodOption> {
     let properties = schema.get("properties").and_then(Value::as_object);
     properties.into_iter().flatten().map(|(key, option)| described(key, option)).collect()
 }

@@ -30,9 +30,10 @@ mod weak;
 
 pub use fit::{Estimate, Fit, Status, Trace, TraceAxis, TraceKind, Work};
 pub(crate) use identifiability::among_all;
+pub(crate) use method::fields_as_options;
 pub use method::{
     Identifier, MethodDescription, MethodOption, OptionError, Task, doc_text, from_options,
-    options_of, options_schema,
+    options_schema,
 };
 
 pub use note::{Note, PhysicalBound, SingleAxis, Unknown};

@@ -7,12 +7,9 @@ use rayon::prelude::*;
 
 use crate::math::{self, Moments};
 use crate::model::Model;
-use crate::recording::{LocalMotion, Recording};
-use crate::robot::State;
-use crate::simulate::{Hold, Input, simulate_windows};
+use crate::recording::Recording;
+use crate::simulate::{Hold, Input, WINDOW, simulate_windows};
 
-/// Length of a window \[s\], as of the 2 s simulation error everywhere.
-const WINDOW: f64 = 2.0;
 /// Rows before a window that effects on the input look back at \[s\].
 const BEFORE: f64 = 2.0;
 
@@ -60,14 +57,14 @@ impl OpenLoop<'_> {
         let before = if first < rows.start { windows(t, &(first..rows.start)) } else { vec![] };
         let own = windows(t, rows);
         let with_start = |window: &Range<usize>| {
-            (window.start - from..window.end - from, start(&motion[window.start]))
+            (window.start - from..window.end - from, motion[window.start].start())
         };
         let all: Vec<_> = before.iter().chain(&own).map(with_start).collect();
         let input = Input { t: &t[from..rows.end], torque: &acting, hold: self.hold };
         let states = simulate_windows(model, p, &input, t[0], &all).ok()?;
         for (window, states) in own.into_iter().zip(&states[before.len()..]) {
             // a row without a new value repeats an older one
-            for (k, state) in window.zip(states).filter(|(k, _)| recording.fresh()[*k]) {
+            for (k, state) in window.zip(states).filter(|(k, _)| recording.is_reading(*k)) {
                 let (measured, simulated) = if recording.measured().omega {
                     (recording.omega()[k], state.omega)
                 } else {
@@ -95,15 +92,6 @@ fn windows(t: &[f64], rows: &Range<usize>) -> Vec<Range<usize>> {
         }
     };
     (0..count).map(|n| edge(n)..edge(n + 1)).filter(|window| !window.is_empty()).collect()
-}
-
-/// Initial state of a simulation: the local motion, at rest if its speed is below its own error.
-fn start(motion: &LocalMotion) -> State {
-    let omega = [0, 1].map(|i| {
-        let w = motion.omega[i];
-        if w * w < 4.0 * motion.omega_variance[i] { 0.0 } else { w }
-    });
-    State { alpha: motion.alpha, omega }
 }
 
 /// Mean of some errors; zero without any.

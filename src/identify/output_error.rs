@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::{among_all, held_value, identified, inverse_where_known, least_known};
 use super::simulation_cost::{Problem, statistics};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, OptionError, SingleAxis,
-    Status, Task, Unknown, from_options, options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, NoStart, Note, SingleAxis, Status, Task,
+    Unknown, fields_as_options, start,
 };
 use crate::math::descent::{MinimiseOptions, Minimum, MinimumStatus, minimise};
 use crate::math::{Information, clustered_covariance, eliminate, raise_errors};
@@ -78,13 +78,7 @@ impl Identifier for OutputError {
         true
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let problem = Problem::new(task, start::start(task, NAME)?);

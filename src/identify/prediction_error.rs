@@ -188,7 +188,7 @@ impl PredictionError {
         }
         let mut fit = physical(task, &filter, &held, (&chosen, open.unit()), &self.horizon_s);
         for symbol in &self.profile {
-            add_profile(task, &filter, &held.model, &chosen.solution, symbol, &mut fit)?;
+            add_profile(&filter, &held.model, &chosen.solution, symbol, &mut fit)?;
         }
         // a regression would find the same unbounded inertia
         if self.horizon_s == Horizon::default() && !spread_out {
@@ -312,7 +312,6 @@ fn note_of_shift(task: &Task, solution: &Solution, spread: &Spread) -> Option<No
 }
 
 fn add_profile(
-    task: &Task,
     filter: &HorizonFilter,
     model: &Model,
     solution: &Solution,
@@ -324,12 +323,11 @@ fn add_profile(
         Ok(there.map_or(f64::NEG_INFINITY, |there| -there.cost()))
     };
     let j = model.index_of(symbol)?;
-    note_profile(task, &solution.p, j, fit, |place| profile(model, &solution.p, place, at))
+    note_profile(&solution.p, j, fit, |place| profile(model, &solution.p, place, at))
 }
 
 /// Adds the profile of parameter `j` to a fit, where there is one.
 fn note_profile(
-    task: &Task,
     p: &[f64],
     j: usize,
     fit: &mut Fit,
@@ -341,7 +339,6 @@ fn note_profile(
         fit.notes.push(Note::NoProfile(symbol));
         return Ok(());
     }
-    debug_assert_eq!(task.model.parameters().len(), p.len());
     let mut found = profile(&super::profile::Place { j, std_error, unit: unit.clone() })?;
     let moved = value - p[j];
     found.trace.at.iter_mut().for_each(|v| *v += moved);

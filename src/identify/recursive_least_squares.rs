@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Trace, TraceAxis,
-    TraceKind, from_options, options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, Task, Trace, TraceAxis, TraceKind,
+    fields_as_options,
 };
 use crate::math::clustered_covariance;
 
@@ -60,13 +60,7 @@ impl Identifier for RecursiveLeastSquares {
         false
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;

@@ -153,8 +153,8 @@ impl<'a> Problem<'a> {
         let (a, w) = (recording.alpha()[k], recording.omega()[k]);
         let measured = [a[0], a[1], w[0], w[1]];
         let simulated = [state.alpha[0], state.alpha[1], state.omega[0], state.omega[1]];
-        let fresh = if recording.fresh()[k] { 1.0 } else { 0.0 };
-        std::array::from_fn(|i| fresh * (measured[i] - simulated[i]))
+        let new = if recording.is_reading(k) { 1.0 } else { 0.0 };
+        std::array::from_fn(|i| new * (measured[i] - simulated[i]))
     }
 
     /// One over the standard deviation of each channel; zero for those not measured.
@@ -167,10 +167,9 @@ impl<'a> Problem<'a> {
     /// Number of measured values, without those that repeat a slow sensor, minus number of estimated quantities.
     pub(super) fn degrees(&self) -> f64 {
         let channels = |r: usize| self.prepared[r].used.iter().filter(|used| **used).count();
-        let fresh = |r: usize, piece: &std::ops::Range<usize>| {
-            self.task.train[r].fresh()[piece.clone()].iter().filter(|fresh| **fresh).count()
+        let values = |(r, piece): &(usize, std::ops::Range<usize>)| {
+            self.task.train[*r].readings_in(piece) * channels(*r)
         };
-        let values = |(r, piece): &(usize, std::ops::Range<usize>)| fresh(*r, piece) * channels(*r);
         let samples: usize = self.pieces.iter().map(values).sum();
         samples.saturating_sub(self.free.len() + 4 * self.pieces.len()).max(1) as f64
     }
@@ -202,7 +201,6 @@ impl<'a> Problem<'a> {
         let (mut cost, mut scores) = (0.0, Vec::new());
         for (n, (r, piece)) in self.pieces.iter().enumerate() {
             let (input, weight) = (self.input(*r, piece), self.weight(*r));
-            let fresh = self.task.train[*r].fresh();
             let stride = (p.len() + 4).next_multiple_of(LANES);
             let (mut sums, mut blocks) = (ScoreSums::new(p.len() + 4), Vec::new());
             let mut block_ends = input.t[0] + BLOCK;
@@ -213,7 +211,7 @@ impl<'a> Problem<'a> {
                     block_ends += BLOCK;
                 }
                 // a row that repeats a slow sensor is no measurement
-                if !fresh[piece.start + k] {
+                if !self.task.train[*r].is_reading(piece.start + k) {
                     return true;
                 }
                 for i in (0..4).filter(|&i| weight[i] > 0.0) {

@@ -6,10 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::identifiability::inverse_where_known;
 use super::inverse_dynamics::{NOISE_SHARE, Regression};
 use super::sampling::at_least;
-use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, from_options,
-    options_schema, start,
-};
+use super::{Fit, Identifier, IdentifyError, MethodDescription, Task, fields_as_options, start};
 use crate::math::{MathError, least_squares, robust};
 use crate::recording::LongRecording;
 
@@ -83,13 +80,7 @@ impl Identifier for TorqueRegression {
         true
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         self.fit(&self.rows(task)?, false)

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::inverse_dynamics::Regression;
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Task, Unsupported,
-    from_options, options_schema,
+    Fit, Identifier, IdentifyError, MethodDescription, Task, Unsupported, fields_as_options,
 };
 use crate::math::Information;
 
@@ -57,13 +56,7 @@ impl Identifier for TotalLeastSquares {
         false
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let rows = Regression::new(task, self.cutoff_hz, NOISE_SHARE, NAME)?;

@@ -13,8 +13,8 @@ use super::linear_fit::linear_fit;
 use super::regressor::{Regressor, input_around};
 use super::weak::{Window, longest_motion, weak_rows, windows};
 use super::{
-    Fit, Identifier, IdentifyError, MethodDescription, OptionError, Status, Task, Unsupported,
-    from_options, options_schema, start,
+    Fit, Identifier, IdentifyError, MethodDescription, Status, Task, Unsupported,
+    fields_as_options, start,
 };
 use crate::math::{BandedCholesky, clustered_covariance, pseudo_inverse, raise_errors};
 use crate::recording::Recording;
@@ -87,13 +87,7 @@ impl Identifier for WeakForm {
         Some(1)
     }
 
-    fn schema(&self) -> schemars::Schema {
-        options_schema::<Self>()
-    }
-
-    fn configure(&self, options: &toml::Table) -> Result<Box<dyn Identifier>, OptionError> {
-        Ok(Box::new(from_options::<Self>(NAME, options)?))
-    }
+    fields_as_options!(NAME);
 
     fn identify(&self, task: &Task) -> Result<Fit, IdentifyError> {
         let p = start::start(task, NAME)?;

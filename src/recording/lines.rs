@@ -1,16 +1,46 @@
-//! Linear interpolation of sensors that are slower than the rows, for filters.
+//! Sensors that are slower than the rows: the rows with a new reading, and lines between these for filters.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use super::Recording;
 use crate::math::{interpolate_wheels, median_high};
 
 impl Recording {
+    /// Whether the sensors gave a new value at a row; the others repeat the last one, as if measured again.
+    #[must_use]
+    pub fn is_reading(&self, row: usize) -> bool {
+        self.fresh()[row]
+    }
+
+    /// Whether any row repeats the reading of another one.
+    #[must_use]
+    pub fn repeats_readings(&self) -> bool {
+        self.fresh().contains(&false)
+    }
+
+    /// Number of rows with a new reading: what counts as measured. The first row is always one.
+    #[must_use]
+    pub fn readings(&self) -> usize {
+        self.readings_in(&(0..self.len()))
+    }
+
+    /// The same of some rows, which may all repeat a reading before them.
+    #[must_use]
+    pub fn readings_in(&self, rows: &Range<usize>) -> usize {
+        self.fresh()[rows.clone()].iter().filter(|fresh| **fresh).count()
+    }
+
+    /// Mean time from one reading to the next, with the median step of the rows \[s\].
+    #[must_use]
+    pub fn reading_interval(&self) -> f64 {
+        self.step() * self.len() as f64 / self.readings() as f64
+    }
+
     /// Number of rows per new value of the sensors.
     #[must_use]
     pub fn rows_per_refresh(&self) -> usize {
-        let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
-        ((self.fresh().len() as f64 / fresh as f64).round() as usize).max(1)
+        ((self.len() as f64 / self.readings() as f64).round() as usize).max(1)
     }
 
     /// A measured signal of the wheels, interpolated linearly between new values if the sensors are slower
@@ -25,12 +55,11 @@ impl Recording {
 /// A signal, interpolated linearly between new values; after a standstill the line begins one refresh
 /// interval before the first value in motion.
 fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
-    let fresh = r.fresh();
-    if fresh.iter().all(|fresh| *fresh) {
+    if !r.repeats_readings() {
         return Cow::Borrowed(signal);
     }
     let mut out = signal.to_vec();
-    let rows: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
+    let rows: Vec<usize> = (0..r.len()).filter(|&k| r.is_reading(k)).collect();
     if rows.len() < 2 {
         return Cow::Borrowed(signal);
     }
@@ -53,6 +82,27 @@ fn on_lines<'a>(r: &Recording, signal: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
 mod tests {
     use super::*;
     use crate::recording::{Channels, DriveUnit, Issue};
+
+    #[test]
+    fn rows_that_repeat_a_slow_sensor_are_no_readings() {
+        // readings every 40 ms in rows of 10 ms
+        let t: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let omega = |every: usize| (0..400).map(|k| [t[k - k % every].sin(), 1.0]).collect();
+        let new = |every: usize| {
+            let (omega, torque) = (Some(omega(every)), vec![[0.1; 2]; 400]);
+            let channels = Channels { t: t.clone(), alpha: None, omega, torque };
+            Recording::new("made", channels, DriveUnit::NewtonMetre).unwrap()
+        };
+        let slow = new(4);
+        assert!(slow.repeats_readings() && slow.is_reading(0) && slow.is_reading(4));
+        assert!(!slow.is_reading(3) && !slow.is_reading(5));
+        assert_eq!((slow.readings(), slow.rows_per_refresh()), (100, 4));
+        assert_eq!([1..4, 4..5, 3..9].map(|rows| slow.readings_in(&rows)), [0, 1, 2]);
+        assert!((slow.reading_interval() - 0.04).abs() < 1e-12);
+        let fast = new(1);
+        assert!(!fast.repeats_readings() && fast.readings() == 400);
+        assert!((fast.reading_interval() - 0.01).abs() < 1e-12);
+    }
 
     #[test]
     fn filters_see_the_line_between_the_values_of_a_slow_sensor() {

@@ -185,7 +185,7 @@ impl<'a> Parabolas<'a> {
     fn at_row(&self, i: usize) -> Option<Fit> {
         let (r, k) = (self.recording, self.sample);
         let [a, w] = self.weight.map(|weight| weight.to_array()[i]);
-        if !(w > 0.0 && r.fresh()[k]) {
+        if !(w > 0.0 && r.is_reading(k)) {
             return None;
         }
         let alpha_variance = if a > 0.0 { 1.0 / a } else { 0.0 };

@@ -70,7 +70,7 @@ impl Recording {
         if !self.measured().omega {
             // fourth differences of such speeds show six tenths of their variance, since neighbours share an angle, and
             // less where counts that pass slowly repeat
-            let slow = self.fresh().contains(&false);
+            let slow = self.repeats_readings();
             let rows = if slow { self.rows_per_refresh() } else { self.reach() };
             let over = 2.0 * rows as f64 * self.step();
             omega = [0, 1].map(|i| omega[i].max(2.0_f64.sqrt() * alpha[i] / over));
@@ -112,8 +112,7 @@ impl Recording {
 
     /// `sensed`: rows that only repeat a slow sensor contain no information on its noise.
     fn channel_noise(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> f64 {
-        let fresh = self.fresh().iter().filter(|f| **f).count().max(1);
-        let step = if sensed { self.covered() / fresh as f64 } else { self.step() };
+        let step = if sensed { self.covered() / self.readings() as f64 } else { self.step() };
         let block = ((BLOCK / step) as usize).max(SHORTEST);
         // blocks without counts of a coarse encoder contain no information on its noise; a held input has
         // none
@@ -136,7 +135,7 @@ impl Recording {
 
     /// One channel of every piece without gaps; for `sensed` channels only rows with a new reading.
     fn runs(&self, values: &[[f64; 2]], i: usize, sensed: bool) -> Vec<Vec<f64>> {
-        let new = |&k: &usize| !sensed || self.fresh()[k];
+        let new = |&k: &usize| !sensed || self.is_reading(k);
         self.pieces()
             .iter()
             .map(|p| p.clone().filter(new).map(|k| values[k][i]).collect())

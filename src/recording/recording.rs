@@ -187,10 +187,9 @@ impl Recording {
     pub fn covered(&self) -> f64 {
         self.pieces.iter().map(|piece| self.t[piece.end - 1] - self.t[piece.start]).sum()
     }
-    /// Whether the sensors gave a new value at each sample: loggers that are faster than their sensors repeat
-    /// the last value.
+    /// [`Recording::is_reading`] of each row: loggers that are faster than their sensors repeat the last value.
     #[must_use]
-    pub fn fresh(&self) -> &[bool] {
+    pub(crate) fn fresh(&self) -> &[bool] {
         &self.fresh
     }
     /// Number of rows to either side over which speeds are computed from angles; one where they are measured.

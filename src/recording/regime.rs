@@ -8,9 +8,9 @@ use super::{LocalMotion, Recording};
 pub enum Regime {
     /// Both wheels are at rest.
     Standstill,
-    /// A wheel leaves rest, or comes to rest: slower than 1.5 rad/s and accelerating or braking.
+    /// Both wheels are slower than an eighth of the top speed and gain kinetic energy: the robot leaves rest.
     Starting,
-    /// As starting, while decelerating.
+    /// As slow, while they lose it: the robot comes to rest.
     Stopping,
     /// A wheel reverses without stopping.
     Reversal,

@@ -36,8 +36,7 @@ impl Recording {
     /// In the middle of the longest piece: for equidistant samples it is nearly constant. Repeated
     /// values of a slow sensor and speeds computed from angles contain no information.
     fn speed_variance(&self, noise: &MotionNoise, speeds: bool) -> f64 {
-        let fresh = self.fresh().iter().filter(|fresh| **fresh).count().max(1);
-        let repeated = (self.len() as f64 / fresh as f64).sqrt();
+        let repeated = (self.len() as f64 / self.readings() as f64).sqrt();
         let seen = MotionNoise {
             alpha: noise.alpha.map(|sigma| sigma * repeated),
             omega: noise.omega.map(|sigma| if speeds { sigma * repeated } else { f64::INFINITY }),

@@ -11,7 +11,7 @@ fn ms(seconds: f64) -> String {
 
 /// Whether the recordings determine the time: its interval of 95 % is not wider than the range in which it is searched.
 #[must_use]
-pub fn is_determined(timing: &Timing) -> bool {
+pub(crate) fn is_determined(timing: &Timing) -> bool {
     2.0 * NORMAL_95 * timing.std_error_s <= THRESHOLDS.longest_delay_s
 }
 

@@ -24,7 +24,8 @@ mod verdict;
 pub mod what_if;
 mod words;
 
-pub use dead_time::{dead_time, dead_time_advice, is_determined, no_dead_time};
+pub(crate) use dead_time::is_determined;
+pub use dead_time::{dead_time, dead_time_advice, no_dead_time};
 pub(crate) use dead_time::{dead_time_name, dead_time_with};
 pub use error::ReportError;
 pub use page::{Page, PageContent, Picture, SectionContent, page, render_page};

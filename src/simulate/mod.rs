@@ -40,7 +40,7 @@ pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
 pub(crate) use sensitivity::{ActingInput, Asked, follow, follow_part};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::simulate;
-pub(crate) use simulation::simulate_windows;
+pub(crate) use simulation::{WINDOW, simulate_windows};
 pub use takagi_sugeno::{Consequents, Defuzzification, Gaussian, MOST_MEMBERSHIPS, TakagiSugeno};
 pub(crate) use takagi_sugeno::{Rules, RulesSideBySide, WithRules};
 pub(crate) use variation::column_of_start;

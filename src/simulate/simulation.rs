@@ -36,6 +36,9 @@ pub fn simulate(
     follow(&mut Stepper::new(model, p, input.t[0], start), &acting, &(0..input.t.len()), start)
 }
 
+/// Length of a window of the 2 s simulation error \[s\].
+pub(crate) const WINDOW: f64 = 2.0;
+
 /// Simulates windows of a stretch of a recording without gaps, each from its own initial state;
 /// time-dependent effects are relative to `origin` \[s\], and `input.torque` is the acting input. The body of
 /// a two-mass drivetrain keeps its slip and twist from one window to the next, so that windows need no

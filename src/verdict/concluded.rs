@@ -66,11 +66,7 @@ impl<'a> Concluded<'a> {
             .or_else(|| unrelated(diagnosis, (&judge, basis.hold), &errors, basis.train));
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
-        // one that does not act in the judged recordings lowers their error through the parameters that the training
-        // recordings bias without it: where that is all of the error, it is the likely cause
-        let acts = |r: &Ranked| r.refit.as_ref().is_some_and(|f| judge.acts(f, &r.candidate.id));
-        let explains = |r: &Ranked| r.fall.is_some_and(|fall| errors.falls_to_floor(fall.ratio));
-        let likely = likely(diagnosis, &errors).filter(|r| explains(r) || acts(r));
+        let likely = likely_effect(diagnosis, &judge, &errors);
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
@@ -89,20 +85,11 @@ impl<'a> Concluded<'a> {
             Conclusion::Sufficient if differs.is_some() => Conclusion::Unknown,
             other => other,
         };
-        let sufficient = conclusion == Conclusion::Sufficient;
-        let unknown = conclusion == Conclusion::Unknown || sufficient && errors.above_floor();
-        let fails = match unknown {
-            true => judge.fails(diagnosis.last(), basis.train)?,
-            false => None,
+        let too_few = of_few_windows(diagnosis, &judge, basis.train, (conclusion, &errors))?;
+        let withheld = match conclusion {
+            Conclusion::Sufficient => withheld_effect(diagnosis, &judge, basis, &errors),
+            _ => None,
         };
-        let undetermined = undetermined
-            .or_else(|| of_windows(diagnosis).filter(|_| sufficient || unknown && fails.is_none()))
-            .or_else(|| untested(diagnosis, fails).filter(|_| unknown));
-        let withheld = withheld(diagnosis, basis.false_alarm)
-            .filter(|_| conclusion == Conclusion::Sufficient)
-            .and_then(|r| {
-                Some((r, reason(&judge, errors.after, r.refit.as_ref()?, &r.candidate.id)))
-            });
         Ok(Self {
             diagnosis,
             basis,
@@ -112,7 +99,7 @@ impl<'a> Concluded<'a> {
             errors,
             floor: floor.expected,
             conclusion,
-            undetermined,
+            undetermined: undetermined.or(too_few),
             likely,
             withheld,
             differs,
@@ -234,6 +221,46 @@ impl<'a> Concluded<'a> {
             longest_s: judged.iter().map(|r| r.duration()).fold(0.0, f64::max),
         }
     }
+}
+
+/// The effect that is likely although it is not proven. One that does not act in the judged recordings lowers their error
+/// through the parameters that the training recordings bias without it: where that is all of the error, it is the likely
+/// cause.
+fn likely_effect<'a>(
+    diagnosis: &'a Diagnosis,
+    judge: &Judge,
+    errors: &Errors,
+) -> Option<&'a Ranked> {
+    let acts = |r: &Ranked| r.refit.as_ref().is_some_and(|f| judge.acts(f, &r.candidate.id));
+    let explains = |r: &Ranked| r.fall.is_some_and(|fall| errors.falls_to_floor(fall.ratio));
+    likely(diagnosis, errors).filter(|r| explains(r) || acts(r))
+}
+
+/// The candidate that lowers the held-out error without being accepted, and the reason.
+fn withheld_effect<'a>(
+    diagnosis: &'a Diagnosis,
+    judge: &Judge,
+    basis: &Basis,
+    errors: &Errors,
+) -> Option<(&'a Ranked, Withheld)> {
+    let ranked = withheld(diagnosis, basis.false_alarm)?;
+    let reason = reason(judge, errors.after, ranked.refit.as_ref()?, &ranked.candidate.id);
+    Some((ranked, reason))
+}
+
+/// Why a conclusion does not hold with so few windows: of a sufficient model if they determine none of its parameters, of
+/// an unknown effect if they prove none.
+fn of_few_windows(
+    diagnosis: &Diagnosis,
+    judge: &Judge,
+    train: &[Recording],
+    (conclusion, errors): (Conclusion, &Errors),
+) -> Result<Option<Undetermined>, SimulateError> {
+    let sufficient = conclusion == Conclusion::Sufficient;
+    let unknown = conclusion == Conclusion::Unknown || sufficient && errors.above_floor();
+    let fails = if unknown { judge.fails(diagnosis.last(), train)? } else { None };
+    let undetermined = of_windows(diagnosis).filter(|_| sufficient || unknown && fails.is_none());
+    Ok(undetermined.or_else(|| untested(diagnosis, fails).filter(|_| unknown)))
 }
 
 /// Why a model in which nothing was found is not sufficient: its windows determine none of the free parameters, for

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use amigo_ident::conditioning::IMPORT;
+use amigo_ident::conditioning::{CONDITIONING, IMPORT};
 use amigo_ident::diagnose::{Settings, THRESHOLDS};
 use amigo_ident::effects;
 use amigo_ident::identify::{self, MethodOption, options_schema};
@@ -95,34 +95,48 @@ fn python_diagnoses_with_the_defaults_of_the_library() {
     }
 }
 
-/// The rows of a table of limits.
+/// Limits with their schema: a table, or, of a list by subject, a heading and a table for each.
 fn limits<T: schemars::JsonSchema + serde::Serialize>(limits: &T) -> String {
-    let (schema, values) = (options_schema::<T>(), serde_json::to_value(limits).unwrap());
-    // in the order of the struct, where "the same" means the one above
-    let written = serde_json::to_string(limits).unwrap();
-    let mut fields: Vec<_> =
-        schema.get("properties").unwrap().as_object().unwrap().iter().collect();
-    fields.sort_by_key(|(key, _)| written.find(&format!("\"{key}\":")));
-    let row = |(key, option): (&String, &serde_json::Value)| {
-        let reason = option["description"].as_str().unwrap();
-        format!("| `{key}` | {} | {reason} |\n", values[key])
-    };
-    fields.into_iter().map(row).collect()
+    let schema = serde_json::to_value(options_schema::<T>()).unwrap();
+    let values = serde_json::to_value(limits).unwrap();
+    tables(&schema["properties"], &values, &serde_json::to_string(limits).unwrap())
 }
 
-/// The page with a table in place of the one behind a mark.
-fn with_table(page: &str, mark: &str, rows: &str) -> String {
+/// The same of the fields of a struct and their values, in the order in which they are `written`, where "the same" means
+/// the one above.
+fn tables(fields: &serde_json::Value, values: &serde_json::Value, written: &str) -> String {
+    let place = |key: &String| written.find(&format!("\"{key}\":")).unwrap();
+    let mut fields: Vec<_> = fields.as_object().unwrap().iter().collect();
+    fields.sort_by_key(|(key, _)| place(key));
+    let meaning =
+        |field: &serde_json::Value| field["description"].as_str().unwrap().replace('\n', " ");
+    if values.as_object().unwrap().values().any(serde_json::Value::is_object) {
+        let subject = |(key, field): (&String, &serde_json::Value)| {
+            let table = tables(&field["properties"], &values[key], &written[place(key)..]);
+            format!("### `{key}`\n{}\n\n{table}", meaning(field))
+        };
+        return fields.into_iter().map(subject).collect::<Vec<_>>().join("\n");
+    }
+    let row = |(key, field): (&String, &serde_json::Value)| {
+        format!("| `{key}` | {} | {} |\n", values[key], meaning(field))
+    };
+    let rows: String = fields.into_iter().map(row).collect();
+    format!("| threshold | value | reason |\n|---|---|---|\n{rows}")
+}
+
+/// The page with other tables behind a mark.
+fn with_limits(page: &str, mark: &str, tables: &str) -> String {
     let (before, rest) = page.split_once(mark).unwrap();
     let (_, after) = rest.split_once("<!-- end -->").unwrap();
-    let head = "| threshold | value | reason |\n|---|---|---|\n";
-    format!("{before}{mark}\n{head}{rows}<!-- end -->{after}")
+    format!("{before}{mark}\n{tables}<!-- end -->{after}")
 }
 
 #[test]
 fn the_page_of_thresholds_is_that_of_the_code() {
     let page = project_file("docs/thresholds.md");
-    let present = with_table(&page, "<!-- thresholds -->", &limits(&THRESHOLDS));
-    let present = with_table(&present, "<!-- import -->", &limits(&IMPORT));
+    let present = with_limits(&page, "<!-- thresholds -->", &limits(&THRESHOLDS));
+    let present = with_limits(&present, "<!-- import -->", &limits(&IMPORT));
+    let present = with_limits(&present, "<!-- conditioning -->", &limits(&CONDITIONING));
     if std::env::var_os("UPDATE_DOCS").is_some() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/thresholds.md");
         fs::write(path, &present).unwrap();

@@ -1,12 +1,7 @@
 //! The lag of a speed, and what the recordings of a log show of it together.
 
 use super::super::finding::{Finding, Kind};
-
-/// Standard errors from which on a lag is one: 1 in 2 million for noise of normal distribution.
-pub(super) const SURE: f64 = 5.0;
-/// Share of a sample below which a lag is not significant: 1/sqrt(12), the standard deviation of an unknown
-/// sampling instant within a row.
-pub(super) const SMALL: f64 = 0.289;
+use crate::conditioning::thresholds::SPEEDS;
 
 /// How much later than the angle a speed is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,14 +54,16 @@ pub fn lags_differ<'a>(recordings: impl Iterator<Item = (&'a [Finding], f64)>) -
     let lags: Vec<(Lag, f64)> = recordings.filter_map(shown).collect();
     let differ = |(a, step): &(Lag, f64), (b, other): &(Lag, f64)| {
         let apart = (a.value - b.value).abs();
-        apart > SURE * a.std_error.hypot(b.std_error) && apart > SMALL * step.max(*other)
+        apart > SPEEDS.lag_errors * a.std_error.hypot(b.std_error)
+            && apart > SPEEDS.lag_rows * step.max(*other)
     };
     lags.iter().enumerate().any(|(k, a)| lags[..k].iter().any(|b| differ(a, b)))
 }
 
 impl Lag {
     pub(super) fn is_sure(&self, step: f64) -> bool {
-        self.value.abs() >= SURE * self.std_error && self.value.abs() >= SMALL * step
+        self.value.abs() >= SPEEDS.lag_errors * self.std_error
+            && self.value.abs() >= SPEEDS.lag_rows * step
     }
 }
 

@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::signal::noise_variance;
 use super::{Finding, Kind, Samples};
+use crate::conditioning::thresholds::SPEEDS;
 use crate::math::noise::fourth_difference_correlation;
 use crate::math::{fit, trimmed_mean_square};
 
@@ -22,14 +23,6 @@ use crate::math::{fit, trimmed_mean_square};
 const HALF: usize = 32;
 /// Largest number of rows: about fifty per coefficient, for a statistical error of 1 %.
 const ROWS: usize = 3000;
-/// Rows per coefficient, at least.
-const FEWEST: usize = 20;
-/// Largest residual of computed speeds over the passed noise, as standard deviations: for an
-/// independent sensor the ratio is at least one.
-const LEFT: f64 = 0.25;
-/// Correlation of neighbouring fourth differences of the angle below which they show its noise: -0.8 for
-/// white noise, up to 1 for motion or a filter, which here make a ninth of them at most.
-const WHITE: f64 = -0.6;
 
 /// Residual of a speed after the best filter of the angle.
 #[derive(Clone, Copy)]
@@ -42,7 +35,7 @@ pub(super) struct Left {
 
 impl Left {
     pub(super) fn is_computed(self) -> bool {
-        self.share < LEFT
+        self.share < SPEEDS.of_angle
     }
 
     /// Whether the speed is measured and not computed from the angles.
@@ -68,15 +61,15 @@ pub fn common_share<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Opti
 /// or if there are too few rows.
 pub(super) fn left(s: &Samples) -> Option<Left> {
     let runs: Vec<Vec<f64>> = s.pieces.iter().map(|p| s.alpha[p.clone()].to_vec()).collect();
-    if fourth_difference_correlation(&runs)? > WHITE {
+    if fourth_difference_correlation(&runs)? > SPEEDS.white {
         return None;
     }
-    let half = HALF.min(s.t.len() / (2 * FEWEST));
+    let half = HALF.min(s.t.len() / (2 * SPEEDS.rows_a_coefficient));
     let inside = s.pieces.iter().flat_map(|p| p.start + half..p.end.saturating_sub(half));
     let inside: Vec<usize> = inside.collect();
     let rows: Vec<usize> =
         inside.iter().copied().step_by(inside.len().div_ceil(ROWS).max(1)).collect();
-    if half == 0 || rows.len() < FEWEST * 2 * half {
+    if half == 0 || rows.len() < SPEEDS.rows_a_coefficient * 2 * half {
         return None;
     }
     let step = |k: usize, j: usize| s.alpha[k + j + 1 - half] - s.alpha[k + j - half];

@@ -5,6 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::super::{Action, Context, condition};
 use super::*;
+use crate::conditioning::thresholds::SPEEDS;
 use crate::recording::Channels;
 
 const H: f64 = 0.01;
@@ -311,7 +312,7 @@ fn a_lag_is_that_of_the_windows_in_which_the_speed_changes() {
     // 50 ms late; all that shows it is in two windows, far off the others at constant speed
     let (lag, _) = lag_of(&done(step_response(0.018)).findings).unwrap();
     // to the standard deviation of an unknown instant within a sample
-    assert!((lag - 0.05).abs() < 0.02 * SMALL, "{lag}");
+    assert!((lag - 0.05).abs() < 0.02 * SPEEDS.lag_rows, "{lag}");
     // at constant speed nothing shows one, unless another recording does
     let mut steady = step_response(0.018);
     for c in [&mut steady.alpha, &mut steady.omega].into_iter().flatten() {

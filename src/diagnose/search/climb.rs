@@ -9,7 +9,7 @@ use super::{Search, is_two_mass};
 use crate::diagnose::fit::WindowFit;
 use crate::diagnose::outcome::{Ranked, Step};
 use crate::diagnose::thresholds::THRESHOLDS;
-use crate::diagnose::verdict::Errors;
+use crate::diagnose::verdict::unexplained;
 
 /// The effect that a search adds first.
 #[derive(Clone, Copy)]
@@ -40,7 +40,7 @@ impl Search<'_> {
             }
         }
         if unexplained
-            && self.errors(base, &climbed.0).unexplained() > THRESHOLDS.unexplained
+            && self.unexplained(base, &climbed.0) > THRESHOLDS.unexplained
             && let Some(again) = self.other_beginnings(base, &climbed.1[0])
         {
             climbed = again;
@@ -48,20 +48,12 @@ impl Search<'_> {
         climbed
     }
 
-    /// The reported errors, of the base and after the last of `steps`.
-    fn errors(&self, base: &WindowFit, steps: &[Step]) -> Errors {
+    /// [`unexplained`] of the reported errors of the base and after the last of `steps`.
+    fn unexplained(&self, base: &WindowFit, steps: &[Step]) -> f64 {
         let last = last_of(base, steps);
         let square = |fit: &WindowFit| self.shown(fit).powi(2);
-        let floor = self.judge.floor(&last.model, &last.p);
-        Errors {
-            before: square(base),
-            after: square(last),
-            floor: floor.expected.powi(2),
-            most: floor.most.powi(2),
-            uncertain: 0.0,
-            slow_floor: floor.is_slow(),
-            speed: 1.0,
-        }
+        let floor = self.judge.floor(&last.model, &last.p).expected.powi(2);
+        unexplained(square(base), square(last), floor)
     }
 
     /// Repeatedly adds the best candidate of a ranking that lowers the reported error, and ranks anew.

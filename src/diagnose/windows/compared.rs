@@ -66,7 +66,7 @@ pub(super) fn every(recording: &Recording) -> usize {
 pub(super) fn is_new(recording: &Recording, n: usize, k: usize) -> bool {
     // in most recordings every row is compared, and a division is slow
     let every = every(recording);
-    recording.fresh()[n] && (every == 1 || k.is_multiple_of(every))
+    recording.is_reading(n) && (every == 1 || k.is_multiple_of(every))
 }
 
 /// Variance of the speeds that are compared [rad^2/s^2], of a wheel `i`: that of the speed channel, or of the
@@ -76,7 +76,7 @@ pub(super) fn variance(recording: &Recording, i: usize) -> f64 {
     if recording.measured().omega {
         return noise.omega[i].powi(2);
     }
-    let fresh = recording.fresh().iter().filter(|fresh| **fresh).count().max(1);
-    let refresh = recording.step() * (recording.len() * every(recording)) as f64 / fresh as f64;
+    let rows = (recording.len() * every(recording)) as f64;
+    let refresh = recording.step() * rows / recording.readings() as f64;
     2.0 * (noise.alpha[i] / refresh).powi(2)
 }

@@ -7,6 +7,7 @@ mod interpreted;
 mod measure;
 mod prefixed;
 mod quantities;
+mod side;
 mod unit;
 mod words;
 
@@ -16,12 +17,13 @@ pub(super) use self::interpreted::{Named, Quantity, Side};
 use self::measure::Measure;
 use self::prefixed::take_prefix;
 use self::quantities::TURNS;
+use self::side::take_side;
 use self::unit::{split_unit, unit, unit_in_front};
-use self::words::{BATTERY, STEPS, SYSTEM, WEAK, is_of_wheel, is_quantity, take_quantity};
+use self::words::{BATTERY, STEPS, SYSTEM, WEAK, take_quantity};
 pub(super) use self::words::{
     MEASURED, WISHED, is_distance, is_place, leaves_angle_open, leaves_speed_open,
 };
-use crate::io::{WheelSide, side, without_port, words};
+use crate::io::{without_port, words};
 
 /// The interpretation of a name.
 pub(super) fn named(name: &str) -> Named {
@@ -152,81 +154,6 @@ fn is_overruled(quantity: Option<Quantity>, word: &str, of: Quantity) -> bool {
         Some(Quantity::Angle) => of == Quantity::Speed,
         Some(_) => WEAK.contains(&word) || word.len() == 1,
     }
-}
-
-fn take_side(words: &mut Vec<String>) -> Option<Side> {
-    // `speed_right_left(:,1)` is of either wheel
-    if ["right", "left"].iter().all(|side| words.iter().any(|word| word == side)) {
-        return take_number(words);
-    }
-    let side = |word: &str| {
-        side(word).map(|side| match side {
-            WheelSide::Right => Side::Right,
-            WheelSide::Left => Side::Left,
-        })
-    };
-    // short ones may be words of another language
-    let is_clear = |w: &&String| w.len() > 2 && w.as_str() != "der";
-    let clear = words.iter().position(|w| side(w).is_some() && is_clear(&w));
-    if let Some(k) = clear.or_else(|| words.iter().position(|w| side(w).is_some())) {
-        return side(&words.remove(k));
-    }
-    // the corners of a car: RL, FR; with the side first: LF, RB
-    let corner = |w: &String| match w.as_str() {
-        "fl" | "fr" => Some(("front", w[1..].to_owned())),
-        "rl" | "rr" => Some(("rear", w[1..].to_owned())),
-        "lf" | "rf" => Some(("front", w[..1].to_owned())),
-        "lb" | "rb" => Some(("back", w[..1].to_owned())),
-        _ => None,
-    };
-    if let Some((k, (place, of))) =
-        words.iter().enumerate().find_map(|(k, word)| Some((k, corner(word)?)))
-    {
-        words[k] = place.into();
-        return side(&of);
-    }
-    // before a quantity: `rspeed`, `leftvel`
-    let before = |w: &String| {
-        let bare = |sides: &[&str], least: usize| {
-            let bare = sides.iter().find_map(|side| w.strip_prefix(side));
-            bare.is_some_and(|bare| bare.len() >= least && is_of_wheel(bare))
-        };
-        !is_quantity(w) && (bare(&["right", "left"], 1) || bare(&["r", "l"], 3))
-    };
-    if let Some(k) = words.iter().position(before) {
-        let long = ["right", "left"].iter().find(|side| words[k].starts_with(**side));
-        let rest = words[k].split_off(long.map_or(1, |side| side.len()));
-        return side(&std::mem::replace(&mut words[k], rest));
-    }
-    // glued to a quantity: `taur`, `encl`
-    let glued = |w: &String| {
-        let bare = w.strip_suffix(['r', 'l']).filter(|_| w.len() > 3);
-        !is_quantity(w) && bare.is_some_and(is_quantity)
-    };
-    if let Some(k) = words.iter().position(glued) {
-        let last = words[k].len() - 1;
-        return side(&words[k].split_off(last));
-    }
-    // two letters glued to one another: `wr`, `vl`, `il`
-    let glued =
-        words.iter().position(|w| w.len() == 2 && w.ends_with(['r', 'l']) && is_short(&w[..1]));
-    if let Some(k) = glued {
-        let word = words[k].clone();
-        words[k] = word[..1].to_string();
-        return side(&word[1..]);
-    }
-    take_number(words)
-}
-
-/// Takes the last number of a wheel off the words.
-fn take_number(words: &mut Vec<String>) -> Option<Side> {
-    let number = words.iter().rposition(|w| matches!(w.as_str(), "0" | "1" | "2"))?;
-    words.remove(number).parse().ok().map(Side::Numbered)
-}
-
-/// A letter that denotes a quantity of a wheel.
-fn is_short(letter: &str) -> bool {
-    matches!(letter, "w" | "v" | "i" | "u" | "m" | "q")
 }
 
 #[cfg(test)]

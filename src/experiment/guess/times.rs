@@ -97,21 +97,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
         in_slower_unit(step, one);
         return;
     }
-    let held = || values.iter().copied().filter(|v| v.is_finite());
-    let (first, last) = if one.sum {
-        (0.0, held().sum())
-    } else {
-        (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
-    };
-    // rows in disorder have no rate; a counter may wrap
-    let is_back = one.scale.is_some_and(|scale| scale < 0.0);
-    if last <= first && !is_back && !increases(values) {
-        return;
-    }
-    let passed = match values.windows(2).any(|w| w[1] < w[0]) && !one.sum && !is_back {
-        true => values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).sum(),
-        false => last - first,
-    };
+    let Some((first, passed)) = first_and_passed(values, one) else { return };
     // counters of 32 bits are beyond the seconds of a calendar, which advance more slowly
     let is_counter = whole(values) && largest(values) < COUNTER && step * STATED > 1.0;
     let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
@@ -123,12 +109,7 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
             && (first < CALENDAR || calendar || is_counter)
     };
     if are_days(first) && !sound(1.0) && (RATES.0..RATES.1).contains(&rate(DAY)) {
-        let (steps, seconds) = (DAY * step, passed * DAY);
-        one.unit = Some("d".into());
-        one.evidence.push(format!(
-            "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {:.0} Hz)",
-            rate(DAY)
-        ));
+        in_days(step, (first, passed), one);
         return;
     }
     // fractions at a slow rate are not milliseconds if those would give an implausible log
@@ -151,6 +132,35 @@ pub(super) fn time(values: &[f64], one: &mut Guessed) {
             rate(factor)
         ));
     }
+}
+
+/// First value and the time that passes, in the unit of the column; `None` for rows in disorder, which have no rate.
+fn first_and_passed(values: &[f64], one: &Guessed) -> Option<(f64, f64)> {
+    let held = || values.iter().copied().filter(|v| v.is_finite());
+    let (first, last) = if one.sum {
+        (0.0, held().sum())
+    } else {
+        (held().next().unwrap_or_default(), held().next_back().unwrap_or_default())
+    };
+    // a counter may wrap
+    let is_back = one.scale.is_some_and(|scale| scale < 0.0);
+    if last <= first && !is_back && !increases(values) {
+        return None;
+    }
+    let passed = match values.windows(2).any(|w| w[1] < w[0]) && !one.sum && !is_back {
+        true => values.windows(2).map(|w| w[1] - w[0]).filter(|h| *h > 0.0).sum(),
+        false => last - first,
+    };
+    Some((first, passed))
+}
+
+/// Records that the time is in days of a calendar.
+fn in_days(step: f64, (first, passed): (f64, f64), one: &mut Guessed) {
+    let (steps, seconds, rate) = (DAY * step, passed * DAY, 1.0 / (step * DAY));
+    one.unit = Some("d".into());
+    one.evidence.push(format!(
+        "from {first:.4}, in steps of {steps:.4} s as days: days of a calendar ({seconds:.1} s at {rate:.0} Hz)"
+    ));
 }
 
 /// Whether the rows would come faster than any logger writes them in the unit that the name of the time states.

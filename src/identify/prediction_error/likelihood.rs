@@ -40,9 +40,7 @@ pub(super) fn identify(task: &Task, symbols: &[String]) -> Result<Fit, IdentifyE
             let there = likelihood.maximise(held, p, Some(maximum.noise)).map_err(unusable)?;
             Ok(there.log_likelihood)
         };
-        note_profile(task, &maximum.p, j, &mut fit, |place| {
-            profile(task.model, &maximum.p, place, at)
-        })?;
+        note_profile(&maximum.p, j, &mut fit, |place| profile(task.model, &maximum.p, place, at))?;
     }
     Ok(fit)
 }

@@ -43,9 +43,8 @@ pub(super) fn findings(r: &Recording, jitter: f64, gaps: Gaps) -> Vec<Finding> {
             if 2 * short > r.pieces().len() { Severity::Warning } else { Severity::Note };
         out.push(Finding::new(severity, Issue::Gaps(gaps, short)));
     }
-    let new = r.fresh().iter().filter(|f| **f).count();
-    if new < r.len() {
-        let share = 1.0 - new as f64 / r.len() as f64;
+    if r.repeats_readings() {
+        let share = 1.0 - r.readings() as f64 / r.len() as f64;
         out.push(Finding::new(Severity::Note, Issue::Repeats(share)));
     }
     out

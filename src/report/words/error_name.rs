@@ -1,6 +1,6 @@
 //! The name of the simulation error, with the length of its windows.
 
-use crate::compare::WINDOW;
+use crate::simulate::WINDOW;
 use crate::study::Study;
 
 /// "2 s simulation error"; of judged recordings that are all shorter, with the longest of them: "0.5 s simulation

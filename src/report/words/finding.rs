@@ -17,6 +17,26 @@ fn gear_scale(ratio: Span<f64>) -> String {
     format!("scale = {scale:.4} in {key}1 and {key}2")
 }
 
+/// The gear that would also explain the factor of a unit: a length, like a gear, may have any value.
+fn or_gear(factor: Span<f64>, unit: &str) -> String {
+    if !matches!(unit, "m" | "m/s") {
+        return String::new();
+    }
+    format!(
+        " (or a gear of {:.4} lies between motor and wheel: write {})",
+        factor.map(|factor| factor.max(1.0 / factor)),
+        gear_scale(factor)
+    )
+}
+
+/// When a sensor gives no new value.
+fn dead_time(stretches: Span<usize>, from_s: Span<f64>, to_s: Span<f64>) -> String {
+    match (stretches.low(), stretches.high()) {
+        (1, 1) => format!("from t = {from_s:.3} to {to_s:.3} s"),
+        _ => format!("in {stretches} stretches, the first from t = {from_s:.3} to {to_s:.3} s,"),
+    }
+}
+
 /// The finding.
 fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> String {
     let ms = |s: Span<f64>| format!("{:.2} ms", s.map(|s| 1e3 * s));
@@ -82,22 +102,15 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::Frozen { rows, first } => format!(
             "{name} keeps its last value in {rows} rows while the wheel is at rest (first: row {first})"
         ),
-        Kind::Dead { stretches, rows, from_s, to_s, or_blocked } => {
-            let time = match (stretches.low(), stretches.high()) {
-                (1, 1) => format!("from t = {from_s:.3} to {to_s:.3} s"),
-                _ => format!(
-                    "in {stretches} stretches, the first from t = {from_s:.3} to {to_s:.3} s,"
-                ),
-            };
-            let cause = if or_blocked {
+        Kind::Dead { stretches, rows, from_s, to_s, or_blocked } => format!(
+            "{name} has no new value {} ({rows} rows) although its input must have moved the wheel: {}",
+            dead_time(stretches, from_s, to_s),
+            if or_blocked {
                 "its encoder is dead, or the wheel is blocked or not powered"
             } else {
                 "its encoder is dead (or the wheel is not powered)"
-            };
-            format!(
-                "{name} has no new value {time} ({rows} rows) although its input must have moved the wheel: {cause}"
-            )
-        }
+            }
+        ),
         Kind::Stale { rows, first } => format!(
             "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
                  contains the missing motion (first: row {first})"
@@ -113,21 +126,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             one(count, "isolated wrong sample"),
             largest.written(|v| if v.abs() < 1e6 { format!("{v:.4}") } else { format!("{v:e}") })
         ),
-        Kind::Unit { factor, unit } => {
-            let other =
-                if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" };
-            // a length, like a gear, may have any value
-            let or = if matches!(unit, "m" | "m/s") {
-                format!(
-                    " (or a gear of {:.4} lies between motor and wheel: write {})",
-                    factor.map(|factor| factor.max(1.0 / factor)),
-                    gear_scale(factor)
-                )
-            } else {
-                String::new()
-            };
-            format!("{name} is {factor:.4} times {other} its counterpart: it is in {unit}{or}")
-        }
+        Kind::Unit { factor, unit } => format!(
+            "{name} is {factor:.4} times {} its counterpart: it is in {unit}{}",
+            if matches!(channel, Channel::Speed(_)) { "the slope of" } else { "that of" },
+            or_gear(factor, unit)
+        ),
         Kind::Gear { ratio } => format!(
             "{name} is {ratio:.4} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
                  motor and wheel write {}",
