@@ -53,7 +53,8 @@ impl Comparison {
     /// # Errors
     /// The mass matrix is not positive definite.
     pub(super) fn under(self, plan: &Plan, model: &PhysicalDynamics) -> Result<Self, RunError> {
-        let train = plan.of(Role::Train);
+        let mut train = plan.of(Role::Train);
+        train.iter_mut().for_each(|r| r.set_noise_of_jumps(1.0));
         let given: Vec<&Recording> = train.iter().collect();
         let share = noise_of_jumps(&model.model, &model.p, &given, plan.hold);
         let mut out = Self { noise_of_jumps: Some(share), ..self };
