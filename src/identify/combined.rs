@@ -9,7 +9,9 @@ use crate::model::SpeedPolynomial;
 
 /// Number of quantities: one, w1, w2, (w1 - w2) w1, (w1 - w2) w2, w1 w2, the signs along the four directions of dry
 /// friction, and the two accelerations.
-const QUANTITIES: usize = 12;
+pub(super) const QUANTITIES: usize = 12;
+/// Place of the accelerations.
+pub(super) const ACCELERATIONS: usize = 10;
 /// Columns in a register.
 pub(super) const TOGETHER: usize = 4;
 

@@ -23,7 +23,8 @@ pub(super) struct Regressor<'a> {
     unit: Vec<f64>,
     /// The columns of each effect if they are polynomials.
     polynomials: Vec<Option<Polynomials>>,
-    /// The columns of all effects, if all are polynomials.
+    /// The factors of the columns of all effects, if all are polynomials, and the same combined.
+    factors: Option<Vec<Factors>>,
     combined: Option<Combined>,
 }
 
@@ -153,13 +154,20 @@ impl<'a> Regressor<'a> {
         }
         let polynomials: Vec<_> =
             (0..model.effects().len()).map(|e| columns(model, e, &unit)).collect();
-        let combined = factors(&polynomials).map(|columns| Combined::new(&columns));
-        Self { model, linear, unit, polynomials, combined }
+        let factors = factors(&polynomials);
+        let combined = factors.as_deref().map(Combined::new);
+        Self { model, linear, unit, polynomials, factors, combined }
     }
 
     /// Number of columns.
     pub(super) fn width(&self) -> usize {
         self.linear.len()
+    }
+
+    /// The factors of the columns, the last those of the part with all linear parameters at zero, if no effect has
+    /// other terms than polynomials.
+    pub(super) fn factors(&self) -> Option<&[Factors]> {
+        self.factors.as_deref()
     }
 
     /// All columns combined, if no effect has other terms than polynomials.

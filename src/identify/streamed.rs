@@ -225,9 +225,10 @@ impl<'a, 'b> Reader<'a, 'b> {
     fn hand_on(&mut self, omega: &[[f64; 2]], until: usize) {
         let movements = self.treatment.movements(omega);
         let usable = self.treatment.usable(&movements, omega.len());
-        let grid = |place: &usize| place.is_multiple_of(self.treatment.every);
-        let places = (self.done..until).filter(grid).map(|place| place - self.dropped);
-        let kept: Vec<usize> = places.filter(|&k| usable[k]).collect();
+        let every = self.treatment.every;
+        let grid = (self.done.next_multiple_of(every)..until).step_by(every);
+        let kept: Vec<usize> =
+            grid.map(|place| place - self.dropped).filter(|&k| usable[k]).collect();
         if kept.is_empty() {
             return;
         }

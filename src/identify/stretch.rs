@@ -6,12 +6,13 @@ use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use wide::f64x4;
+use wide::f64x2;
 
 use super::combined::{TOGETHER, quantities};
 use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
-use crate::math::filter::{Extension, Section, butterworth, filter_both_ways, filter_within};
+use crate::math::filter::{Extension, Section, butterworth, filter_both_ways};
+use crate::math::{FILLED, filter_columns};
 use crate::model::Model;
 use crate::recording::{Noise, Recording, differentiate};
 
@@ -126,9 +127,9 @@ fn sharper(cutoff: f64, step: f64) -> f64 {
     (SHARPER * cutoff).min(0.25 / step)
 }
 
-/// Both wheels in the first lanes.
-fn lanes(rows: &[[f64; 2]]) -> Vec<f64x4> {
-    rows.iter().map(|row| f64x4::new([row[0], row[1], 0.0, 0.0])).collect()
+/// Both wheels side by side.
+fn lanes(rows: &[[f64; 2]]) -> Vec<f64x2> {
+    rows.iter().map(|row| f64x2::new(*row)).collect()
 }
 
 /// The given cut-off, or the one with little noise in the acceleration \[Hz\]:
@@ -214,8 +215,9 @@ struct Movement {
     rows: Range<usize>,
     /// Samples before the first row, and after the last one, that the filter needs.
     edge: usize,
-    /// Four signals side by side each, one group behind the other.
-    groups: Vec<Vec<f64x4>>,
+    /// All signals of a sample, filled up to `width` numbers.
+    signals: Vec<f64>,
+    width: usize,
 }
 
 impl Signals {
@@ -232,8 +234,7 @@ impl Signals {
 impl Movement {
     /// The signal at this place among all of both wheels, at sample `k` of the stretch.
     fn at(&self, place: usize, k: usize) -> f64 {
-        let group = &self.groups[place / TOGETHER];
-        group[self.edge + k - self.rows.start].as_array()[place % TOGETHER]
+        self.signals[(self.edge + k - self.rows.start) * self.width + place]
     }
 }
 
@@ -267,46 +268,43 @@ impl Stretch<'_> {
     ) -> Movement {
         let sections = treatment.sections(treatment.cutoff);
         let edge = treatment.edge().min(rows.len() - 1);
-        let even = |s: &[f64x4]| filter_both_ways(&sections, s, edge, Extension::Even);
+        let even = |s: &[f64x2]| filter_both_ways(&sections, s, edge, Extension::Even);
         let t = &self.t[rows.clone()];
         // the torques are filtered as often as the accelerations
         let input = even(&lanes(&self.input[rows.clone()]));
         let speeds = lanes(&self.omega[rows.clone()]);
         let omega: Vec<[f64; 2]> = filter_both_ways(&sections, &speeds, edge, Extension::Odd)
             .iter()
-            .map(|w| [w.as_array()[0], w.as_array()[1]])
+            .map(|w| w.to_array())
             .collect();
         let acceleration = differentiate(t, &omega, std::slice::from_ref(&(0..t.len())), 1);
-        let width = regressor.width();
-        let count = (2 * (width + 1)).div_ceil(TOGETHER);
+        let columns = regressor.width();
+        let width = (2 * (columns + 1)).next_multiple_of(FILLED);
         // with room for what the filter adds before and after
-        let mut groups = vec![vec![f64x4::ZERO; t.len() + 2 * edge]; count];
+        let mut signals = vec![0.0; (t.len() + 2 * edge) * width];
         let mut balance = Balance::default();
-        for k in 0..t.len() {
+        let own = signals[edge * width..].chunks_exact_mut(width).take(t.len());
+        for (k, signals) in own.enumerate() {
             let (w, a) = (omega[k], acceleration[k]);
             if let Some(combined) = regressor.combined() {
                 let torques = combined.at(quantities(w, a));
-                groups.iter_mut().zip(torques).for_each(|(group, t)| group[edge + k] = t);
+                let some = signals.chunks_exact_mut(TOGETHER).zip(torques);
+                some.for_each(|(some, torques)| some.copy_from_slice(torques.as_array()));
             } else {
                 let (time, alpha) = (t[k] - self.start, self.alpha[rows.start + k]);
                 regressor.write(&Motion::at(time, alpha, w, model.robot()), &mut balance);
-                for c in 0..=width {
-                    let side = if c < width { 1.0 } else { -1.0 };
+                for c in 0..=columns {
+                    let side = if c < columns { 1.0 } else { -1.0 };
                     for (wheel, torque) in balance.total_torque(c, &a).into_iter().enumerate() {
-                        let place = wheel * (width + 1) + c;
-                        groups[place / TOGETHER][edge + k].as_mut_array()[place % TOGETHER] =
-                            side * torque;
+                        signals[wheel * (columns + 1) + c] = side * torque;
                     }
                 }
             }
-            for (wheel, input) in input[k].as_array()[..2].iter().enumerate() {
-                let place = wheel * (width + 1) + width;
-                groups[place / TOGETHER][edge + k].as_mut_array()[place % TOGETHER] += input;
+            for (wheel, input) in input[k].as_array().iter().enumerate() {
+                signals[wheel * (columns + 1) + columns] += input;
             }
         }
-        for group in &mut groups {
-            filter_within(&sections, group, edge, Extension::Even);
-        }
-        Movement { rows: rows.clone(), edge, groups }
+        filter_columns(&sections, (&mut signals, width), edge, Extension::Even);
+        Movement { rows: rows.clone(), edge, signals, width }
     }
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::Task;
+use super::combined::{ACCELERATIONS, Factors, QUANTITIES, quantities};
 use super::regressor::{Balance, Regressor};
 use crate::effects::Motion;
 use crate::recording::Recording;
@@ -146,39 +147,109 @@ pub(super) fn weak_rows(
     input: &[[f64; 2]],
 ) -> (DMatrix<f64>, DVector<f64>) {
     let width = regressor.width();
+    let columns = match regressor.factors() {
+        Some(factors) => integrals_of_polynomials(factors, windows, omega),
+        None => integrals(task, regressor, recording, windows, omega),
+    };
+    let mut x = DMatrix::zeros(2 * windows.len(), width);
+    let mut y = DVector::zeros(2 * windows.len());
+    for (n, (window, columns)) in windows.iter().zip(columns.chunks_exact(width + 1)).enumerate() {
+        let mut driving = [0.0; 2];
+        for (weight, input) in window.weight.iter().zip(&input[window.samples.clone()]) {
+            (0..2).for_each(|wheel| driving[wheel] += weight * input[wheel]);
+        }
+        for wheel in 0..2 {
+            for c in 0..width {
+                x[(2 * n + wheel, c)] = columns[c][wheel];
+            }
+            y[2 * n + wheel] = driving[wheel] - columns[width][wheel];
+        }
+    }
+    (x, y)
+}
+
+/// Integrals of the columns over each window, of the part with all linear parameters at zero last.
+fn integrals(
+    task: &Task,
+    regressor: &Regressor,
+    recording: &Recording,
+    windows: &[Window],
+    omega: &[[f64; 2]],
+) -> Vec<[f64; 2]> {
+    let count = regressor.width() + 1;
     let mut needed = vec![false; recording.len()];
     windows.iter().for_each(|w| needed[w.samples.clone()].fill(true));
     // torque and momentum of every column, row by row
-    let mut sides = vec![[[0.0; 2]; 2]; recording.len() * (width + 1)];
+    let mut sides = vec![[[0.0; 2]; 2]; recording.len() * count];
     let mut balance = Balance::default();
-    for (k, row) in sides.chunks_exact_mut(width + 1).enumerate().filter(|(k, _)| needed[*k]) {
+    for (k, row) in sides.chunks_exact_mut(count).enumerate().filter(|(k, _)| needed[*k]) {
         regressor.write(&motion_at(task, recording, k, omega[k]), &mut balance);
         for (c, side) in row.iter_mut().enumerate() {
             *side = [balance.torque[c], balance.carried(c, &omega[k])];
         }
     }
-    let mut x = DMatrix::zeros(2 * windows.len(), width);
-    let mut y = DVector::zeros(2 * windows.len());
-    let mut sums = vec![[0.0; 2]; width + 1];
-    for (n, window) in windows.iter().enumerate() {
-        sums.fill([0.0; 2]);
-        let mut driving = [0.0; 2];
-        let first = window.samples.start * (width + 1);
-        let rows = sides[first..].chunks_exact(width + 1).zip(&input[window.samples.clone()]);
-        for ((row, input), (weight, slope)) in rows.zip(window.weight.iter().zip(&window.slope)) {
+    let mut out = vec![[0.0; 2]; windows.len() * count];
+    for (window, sums) in windows.iter().zip(out.chunks_exact_mut(count)) {
+        let rows = sides[window.samples.start * count..].chunks_exact(count);
+        for (row, (weight, slope)) in rows.zip(window.weight.iter().zip(&window.slope)) {
             for (sum, [torque, momentum]) in sums.iter_mut().zip(row) {
                 for wheel in 0..2 {
                     sum[wheel] += weight * torque[wheel] - slope * momentum[wheel];
                 }
             }
-            (0..2).for_each(|wheel| driving[wheel] += weight * input[wheel]);
-        }
-        for wheel in 0..2 {
-            for c in 0..width {
-                x[(2 * n + wheel, c)] = sums[c][wheel];
-            }
-            y[2 * n + wheel] = driving[wheel] - sums[width][wheel];
         }
     }
-    (x, y)
+    out
+}
+
+/// The same of columns that are polynomials: the factors times the integrals of the quantities, which all columns
+/// share. The momentum has the factors of the acceleration.
+fn integrals_of_polynomials(
+    factors: &[Factors],
+    windows: &[Window],
+    omega: &[[f64; 2]],
+) -> Vec<[f64; 2]> {
+    let rows: Vec<_> = omega.iter().map(|omega| quantities(*omega, *omega)).collect();
+    let mut out = Vec::with_capacity(windows.len() * factors.len());
+    for window in windows {
+        let mut sums = [0.0; QUANTITIES];
+        let weights = window.weight.iter().zip(&window.slope);
+        for (row, (weight, slope)) in rows[window.samples.clone()].iter().zip(weights) {
+            for n in 0..QUANTITIES {
+                sums[n] += row[n] * if n < ACCELERATIONS { *weight } else { -slope };
+            }
+        }
+        let column = |of: &[f64; QUANTITIES]| of.iter().zip(&sums).map(|(f, sum)| f * sum).sum();
+        out.extend(factors.iter().map(|[first, second]| [column(first), column(second)]));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::robot::Robot;
+    use crate::simulate::{Hold, Movement, NoiseLevel, Recorder, record};
+
+    #[test]
+    fn integrals_of_polynomials_are_those_of_the_columns_to_rounding() {
+        let ids = ["viscous_friction", "turning_scrub", "lateral_com"];
+        let model = Model::with_effects(Robot::amigobot(), &ids).unwrap();
+        let p = model.initial();
+        let noise = NoiseLevel { dalpha: 0.01, alpha: 1e-4, torque: 0.0 };
+        let recorder = Recorder { rate: 100.0, control_rate: 1000.0, noise, ticks: None, seed: 2 };
+        let movement = Movement::rich(model.robot(), 3, 20.0, 12.0);
+        let train = [record("rich", &model, &p, &movement, &recorder).unwrap()];
+        let task = Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 };
+        let (regressor, r) = (Regressor::new(&model, &p), &train[0]);
+        let windows = windows(r, 0.12, 2);
+        let expected = integrals(&task, &regressor, r, &windows, r.omega());
+        let found = integrals_of_polynomials(regressor.factors().unwrap(), &windows, r.omega());
+        assert!(!windows.is_empty() && found.len() == expected.len());
+        for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+            // terms of a sum are up to a hundred times as large as the sum
+            assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a} {b}");
+        }
+    }
 }

@@ -135,6 +135,10 @@ struct Order {
 
 impl Order {
     fn keep(&mut self, rows: &mut Channels, before: usize) {
+        if rows.t.first().is_some_and(|t| *t > self.last) && rows.t.is_sorted_by(|a, b| a < b) {
+            self.last = rows.t[rows.t.len() - 1];
+            return;
+        }
         let mut last = self.last;
         let late: Vec<bool> = rows
             .t

@@ -18,6 +18,16 @@ pub enum Extension {
     Even,
 }
 
+impl Extension {
+    /// The value beyond the `end` that corresponds to one as far `inside`.
+    pub(super) fn beyond<T: Sample>(self, end: T, inside: T) -> T {
+        match self {
+            Self::Odd => end * 2.0 - inside,
+            Self::Even => inside,
+        }
+    }
+}
+
 /// One second-order section: `(b0 + b1/z + b2/z^2) / (1 + a1/z + a2/z^2)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
@@ -28,15 +38,16 @@ pub struct Section {
 }
 
 /// State of a section: the weighted values before.
-struct Memory<T> {
-    next: T,
-    later: T,
+#[derive(Clone, Copy)]
+pub(super) struct Memory<T> {
+    pub(super) next: T,
+    pub(super) later: T,
 }
 
 impl Section {
     /// The steady state of the `first` value.
-    #[inline]
-    fn steady<T: Sample>(&self, first: T) -> Memory<T> {
+    #[inline(always)]
+    pub(super) fn steady<T: Sample>(&self, first: T) -> Memory<T> {
         let ([_, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let steady = first * self.steady_gain();
         let later = first * b2 - steady * a2;
@@ -44,8 +55,8 @@ impl Section {
     }
 
     /// The next value (transposed direct form II).
-    #[inline]
-    fn step<T: Sample>(&self, x: T, memory: &mut Memory<T>) -> T {
+    #[inline(always)]
+    pub(super) fn step<T: Sample>(&self, x: T, memory: &mut Memory<T>) -> T {
         let ([b0, b1, b2], [a1, a2]) = (self.numerator, self.denominator);
         let y = x * b0 + memory.next;
         memory.next = x * b1 - y * a1 + memory.later;
@@ -185,14 +196,10 @@ fn run<'s, T: Sample + 's>(
 
 /// Fills `edge` samples at each end with the extension of the signal between them.
 fn extend<T: Sample>(signal: &mut [T], edge: usize, extension: Extension) {
-    let beyond = |end: T, inside: T| match extension {
-        Extension::Odd => end * 2.0 - inside,
-        Extension::Even => inside,
-    };
     let last = signal.len() - 1 - edge;
     for k in 1..=edge {
-        signal[edge - k] = beyond(signal[edge], signal[edge + k]);
-        signal[last + k] = beyond(signal[last], signal[last - k]);
+        signal[edge - k] = extension.beyond(signal[edge], signal[edge + k]);
+        signal[last + k] = extension.beyond(signal[last], signal[last - k]);
     }
 }
 

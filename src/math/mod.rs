@@ -32,6 +32,7 @@ pub mod scalar;
 mod singular_values;
 mod span;
 mod symbol;
+mod wide_filter;
 
 pub use banded::BandedCholesky;
 pub(crate) use correlation::correlation;
@@ -65,3 +66,4 @@ pub(crate) use singular_values::{orthonormal, pseudo_inverse};
 pub use span::Span;
 pub(crate) use span::{Statement, joined};
 pub use symbol::{Symbol, record};
+pub(crate) use wide_filter::filter_columns;

@@ -58,11 +58,24 @@ pub(super) fn check_rows(
                 expected: t.len(),
             });
         }
-        for (k, row) in values.iter().enumerate() {
-            if let Some(i) = row.iter().position(|v| !v.is_finite()) {
-                return Err(not_finite(k, &format!("{column}{}", i + 1), row[i]));
-            }
+        if let Some((k, i)) = first_where(values, |v| !v.is_finite()) {
+            return Err(not_finite(k, &format!("{column}{}", i + 1), values[k][i]));
         }
     }
     Ok(())
+}
+
+/// The first row, and the wheel in it, whose value is wrong. Blocks of rows without one are passed without a branch for
+/// every value.
+pub(super) fn first_where(
+    values: &[[f64; 2]],
+    is_wrong: impl Fn(f64) -> bool,
+) -> Option<(usize, usize)> {
+    const BLOCK: usize = 256;
+    let has_one = |rows: &[[f64; 2]]| {
+        rows.as_flattened().iter().fold(false, |found, value| found | is_wrong(*value))
+    };
+    let (n, rows) = values.chunks(BLOCK).enumerate().find(|(_, rows)| has_one(rows))?;
+    let place = rows.as_flattened().iter().position(|value| is_wrong(*value))?;
+    Some((n * BLOCK + place / 2, place % 2))
 }

@@ -2,6 +2,7 @@
 //! a faulty logger, and prevent convergence of the methods.
 
 use super::RecordingError;
+use super::check::first_where;
 
 /// Largest absolute value of an angle, a speed or an input, in standard units.
 const LARGEST: f64 = 1e9;
@@ -31,10 +32,8 @@ pub(super) fn check(
         return Err(beyond(k, "t".into(), t[k], LONGEST));
     }
     for (column, values) in columns {
-        for (k, row) in values.iter().enumerate() {
-            if let Some(i) = row.iter().position(|v| !(v.abs() <= LARGEST)) {
-                return Err(beyond(k, format!("{column}{}", i + 1), row[i], LARGEST));
-            }
+        if let Some((k, i)) = first_where(values, |v| !(v.abs() <= LARGEST)) {
+            return Err(beyond(k, format!("{column}{}", i + 1), values[k][i], LARGEST));
         }
     }
     let smallest = t.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);

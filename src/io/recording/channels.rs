@@ -1,5 +1,6 @@
 //! Columns of a block of rows as channels, in the units of the contract.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use polars::prelude::{DataFrame, DataType, PolarsError};
@@ -65,48 +66,52 @@ pub(in crate::io) fn channels(
     let rows = place.first..place.first + frame.height();
     let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
     let part = part
-        .map(|(_, name)| Ok(in_seconds(name, numbers(path, frame, name, place.first)?)))
+        .map(|(_, name)| {
+            let part = numbers(path, frame, name, place.first)?;
+            Ok(in_seconds(name, part.into_owned()))
+        })
         .transpose()?;
-    let mut one = |key: &str| -> Result<Option<Vec<f64>>, IoError> {
+    let mut one = |key: &str| -> Result<Option<Cow<[f64]>>, IoError> {
         let Some((_, name)) = wanted.iter().find(|(k, _)| *k == key) else { return Ok(None) };
         let (factor, offset) = conversion(path, columns, key, name)?;
         let mut values = numbers(path, frame, name, place.first)?;
         for other in sum::columns_of(key, wanted) {
             // another controller may write in rows of its own
             let others = held(numbers(path, frame, other, place.first)?);
-            values.iter_mut().zip(others).for_each(|(x, other)| *x += other);
+            values.to_mut().iter_mut().zip(others).for_each(|(x, other)| *x += other);
         }
         if key == "t" && !columns.get("t").sum {
-            place.count_from_start(&mut values, factor);
+            place.count_from_start(values.to_mut(), factor);
         }
         if (factor, offset) != (1.0, 0.0) {
-            values.iter_mut().for_each(|x| *x = factor * *x + offset);
+            values.to_mut().iter_mut().for_each(|x| *x = factor * *x + offset);
         }
         if key == "t" && columns.get("t").sum {
-            place.add_steps(&mut values);
+            place.add_steps(values.to_mut());
         }
         if let (Some(part), "t") = (&part, key) {
-            values.iter_mut().zip(part).for_each(|(t, part)| *t += part);
+            values.to_mut().iter_mut().zip(part).for_each(|(t, part)| *t += part);
         }
         let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
         if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
             let by = held(numbers(path, frame, name, place.first)?);
-            values.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+            values.to_mut().iter_mut().zip(by).for_each(|(x, by)| *x *= by);
         }
         let sign = SIGNS.iter().find(|(_, of)| *of == key).map(|(sign, _)| sign);
         if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == sign) {
             let directions = numbers(path, frame, name, place.first)?;
-            give_sign(path, (key, columns.get(key)), &mut values, &directions, place.first)?;
+            let signed = (key, columns.get(key));
+            give_sign(path, signed, values.to_mut(), &directions, place.first)?;
         }
         Ok(Some(values))
     };
-    let pair = |a: Option<Vec<f64>>, b: Option<Vec<f64>>| {
-        a.zip(b).map(|(a, b)| a.into_iter().zip(b).map(|(a, b)| [a, b]).collect::<Vec<_>>())
+    let pair = |a: Option<Cow<[f64]>>, b: Option<Cow<[f64]>>| {
+        a.zip(b).map(|(a, b)| a.iter().zip(b.iter()).map(|(a, b)| [*a, *b]).collect::<Vec<_>>())
     };
     Ok(Channels {
         t: match columns.get("t").period {
             Some(period) => rows.map(|row| period * row as f64).collect(),
-            None => one("t")?.unwrap_or_default(),
+            None => one("t")?.unwrap_or_default().into_owned(),
         },
         alpha: pair(one("alpha1")?, one("alpha2")?),
         omega: pair(one("dalpha1")?, one("dalpha2")?),
@@ -116,7 +121,8 @@ pub(in crate::io) fn channels(
 
 /// The values with the last one in place of those that are missing: the battery is measured more slowly than
 /// the wheels. Before the first there is the first.
-fn held(mut values: Vec<f64>) -> Vec<f64> {
+fn held(values: Cow<[f64]>) -> Vec<f64> {
+    let mut values = values.into_owned();
     let mut last = values.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
     for x in &mut values {
         last = if x.is_finite() { *x } else { last };
@@ -125,8 +131,14 @@ fn held(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text.
-fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<Vec<f64>, IoError> {
+/// A column of a frame, after so many rows, as numbers; a file of Parquet may hold whole numbers or text. Plain numbers
+/// are not copied.
+fn numbers<'f>(
+    path: &Path,
+    frame: &'f DataFrame,
+    name: &str,
+    before: usize,
+) -> Result<Cow<'f, [f64]>, IoError> {
     let wrong = |e: PolarsError| format_error(path, "table", &e);
     let broken =
         |k: usize, text: &str| IoError::not_a_number(path, before + k + 1, None, name, text);
@@ -138,8 +150,11 @@ fn numbers(path: &Path, frame: &DataFrame, name: &str, before: usize) -> Result<
             .map(|(k, c)| csv::value(c, csv::Style::Either).ok_or_else(|| broken(k, c)))
             .collect();
     }
+    if let Ok(Ok(plain)) = column.f64().map(|values| values.cont_slice()) {
+        return Ok(plain.into());
+    }
     let column = column.cast(&DataType::Float64).map_err(wrong)?.rechunk();
     let values = column.f64().map_err(wrong)?;
     let all = values.cont_slice().map(<[f64]>::to_vec);
-    Ok(all.unwrap_or_else(|_| values.iter().map(|v| v.unwrap_or(f64::NAN)).collect()))
+    Ok(all.unwrap_or_else(|_| values.iter().map(|v| v.unwrap_or(f64::NAN)).collect()).into())
 }

@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::Recording;
 use super::{Finding, Issue, Severity};
 use crate::math::fit;
+use crate::math::least_squares::{RANK_TOLERANCE, fits_above};
 
 /// Fewest pairs of rows: ten per coefficient.
 const ROWS: usize = 50;
@@ -67,11 +68,9 @@ fn phi(r: &Recording, i: usize) -> Option<f64> {
                 if c < 4 { before(rows[row], c) } else { known(rows[row], c - 4) }
             },
         );
-    let projected = [i, j].map(|wheel| {
-        let speed = DVector::from_fn(n, |row, _| w[rows[row]][wheel]);
-        fit(&x, &speed, None).ok().map(|stage| &x * stage.coefficients)
-    });
-    let [Some(own), Some(other)] = projected else { return None };
+    let speeds = [i, j].map(|wheel| DVector::from_fn(n, |row, _| w[rows[row]][wheel]));
+    let stages = fits_above(RANK_TOLERANCE, &x, speeds).ok()?;
+    let [own, other] = stages.map(|stage| &x * stage.coefficients);
     let y = DVector::from_fn(n, |row, _| w[rows[row] + 1][i]);
     let x = DMatrix::from_fn(n, 5, |row, c| match c {
         0 => own[row],
