@@ -200,6 +200,24 @@ mod tests {
     }
 
     #[test]
+    fn words_below_empty_cells_are_listed_and_the_unit_of_a_speed_may_be_metres() {
+        let row = |t: f64| {
+            let ground = if t < 2.0 { "" } else { "grass" };
+            format!("{t},{0},{0},{1},{1},{ground}", 0.47 * t.sin(), t.cos())
+        };
+        let found = drafted("ground.csv", "t,velR,velL,curR,curL,ground", row, 400);
+        assert!(
+            found.words.contains("0.00 as deg/s, 0.15 as rev/s, 0.47 as m/s)"),
+            "{}",
+            found.words
+        );
+        assert!(!found.text.contains("no cells for"), "{}", found.text);
+        assert!(found.text.contains("\"grass\", \"grass\""), "{}", found.text);
+        // rows of 0.01 s
+        assert!(found.text.contains("at 100 Hz"), "{}", found.text);
+    }
+
+    #[test]
     fn a_copy_of_a_recording_is_left_out() {
         let folder = tempfile::tempdir().unwrap();
         let row = |t: f64| format!("{t},{},{},{},{}", t.sin(), t.sin(), t.cos(), t.cos());
