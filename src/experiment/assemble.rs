@@ -190,7 +190,7 @@ pub(super) fn assembled(
         assumed: None,
         remarks,
         model,
-        recordings,
+        recordings: super::quality::of_the_set(recordings),
         hold: hold.unwrap_or_default(),
         timing: Err(Untimed::default()),
         emulated: gain.is_some() || methods.iter().any(|m| m.method.fits_emulator()),
