@@ -14,6 +14,7 @@ use std::ops::Range;
 
 use super::cells::keep;
 use super::finding::{Channel, Finding, Kind};
+use super::magnitude::has_sign;
 use super::signal::{changes, column, median_high, median_step, quantile};
 use super::thresholds::SPEEDS;
 use super::{Conditioned, Settings};
@@ -51,7 +52,12 @@ fn frozen(work: &Conditioned, i: usize) -> Vec<Range<usize>> {
         |run: &Range<usize>| speed[run.start].abs() * (t[run.end - 1] - t[run.start] + step);
     let moving = || runs.iter().filter(|run| speed[run.start] != 0.0);
     let usual = quantile(moving().map(turned), 0.9);
-    let drives = |k: usize| c.torque[k][i] * speed[k].signum();
+    let has_sign = has_sign(&column(&c.torque, i));
+    let drives = |k: usize| match has_sign {
+        true => c.torque[k][i] * speed[k].signum(),
+        // a current without sign drives backward too
+        false => c.torque[k][i].abs(),
+    };
     let input = median_high((0..t.len()).filter(|&k| speed[k] != 0.0).map(drives));
     let is_frozen = |run: &&Range<usize>| {
         let inner = run.start + 1..run.end;
@@ -124,10 +130,15 @@ mod tests {
             let (now, before) = (level(t), if t < 2.0 { 0.0 } else { level(t - 2.0) });
             (100.0 * (now + (before - now) * (-(t % 2.0) / 0.1).exp())).round() / 100.0
         };
-        let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
-        let torque = t.iter().map(|t| [level(*t); 2]).collect();
-        let channels = Channels { t, alpha: None, omega, torque };
-        let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
-        assert!(!done.findings.iter().any(|f| matches!(f.kind, Kind::Frozen { .. })));
+        let omega: Vec<[f64; 2]> = t.iter().map(|t| [speed(*t); 2]).collect();
+        let signs: [&dyn Fn(f64) -> f64; 2] = [&|m| m, &f64::abs];
+        for (sign, sign_from_speed) in signs.into_iter().zip([false, true]) {
+            let torque = t.iter().map(|t| [sign(level(*t)); 2]).collect();
+            let (t, omega) = (t.clone(), Some(omega.clone()));
+            let channels = Channels { t, alpha: None, omega, torque };
+            let settings = Settings { sign_from_speed, ..Settings::default() };
+            let done = condition(channels, &settings, &Context::default()).unwrap();
+            assert!(!done.findings.iter().any(|f| matches!(f.kind, Kind::Frozen { .. })));
+        }
     }
 }

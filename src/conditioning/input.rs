@@ -1,16 +1,10 @@
-//! The input: commands of a few levels, magnitudes without sign, offsets at rest.
+//! The input: commands of a few levels, offsets at rest.
 
-use super::error::ConditioningError;
 use super::finding::{Action, Channel, Finding, Kind};
-use super::signal::{FEW_LEVELS, column, levels, median_step, quantile};
+use super::signal::{FEW_LEVELS, column, levels, quantile};
 use super::thresholds::INPUTS;
-use super::{Conditioned, Context, Settings};
+use super::{Conditioned, Context};
 use crate::math::Moments;
-use crate::recording::never_moves;
-
-/// Time on either side over which a speed rises \[s\], and smallest number of rows: less than a start takes, and more
-/// than the noise of single rows.
-const RISE: (f64, usize) = (0.05, 2);
 
 /// Inputs of a few levels: their jumps are commands, not noise.
 pub(super) fn few_levels(work: &mut Conditioned) {
@@ -21,74 +15,6 @@ pub(super) fn few_levels(work: &mut Conditioned) {
             work.findings.push(Finding { channel: Channel::Input(i), kind, action: Action::Used });
         }
     }
-}
-
-/// An input that never changes its sign although its wheel is driven both ways. A wheel whose sensors show noise alone
-/// is not driven.
-pub(super) fn sign(work: &mut Conditioned, settings: &Settings) -> Result<(), ConditioningError> {
-    let Some(speeds) = speeds(work) else { return Ok(()) };
-    for i in 0..2 {
-        let speed = column(&speeds, i);
-        let mut input = column(&work.channels.torque, i);
-        let sensors = [work.channels.alpha.as_ref(), work.channels.omega.as_ref()];
-        if sensors.into_iter().flatten().all(|s| never_moves(&column(s, i), &input)) {
-            continue;
-        }
-        let of = |input: &[f64], share: f64| {
-            quantile(input.iter().copied().filter(|m| m.is_finite()), share)
-        };
-        if of(&input, 0.5) < 0.0 {
-            input.iter_mut().for_each(|m| *m = -*m);
-        }
-        let range = of(&input, 0.95);
-        let fast = INPUTS.turns * quantile(speed.iter().map(|w| w.abs()), 0.99);
-        let backward: Vec<usize> = (0..speed.len()).filter(|&k| speed[k] < -fast).collect();
-        let forward = speed.iter().filter(|w| **w > fast).count();
-        let enough = |n: usize| {
-            n >= INPUTS.both_ways_rows && n as f64 > INPUTS.both_ways * speed.len() as f64
-        };
-        // backward motion must occur under a substantial input, not while the wheel coasts: most of the time where
-        // friction is large, as it gains speed where inertia is
-        let is_input =
-            |rows: &[usize]| quantile(rows.iter().map(|&k| input[k]), 0.5) > INPUTS.offset * range;
-        let driven = is_input(&backward) || is_input(&gaining(&work.channels.t, &speed, &backward));
-        let negative = of(&input, 0.0) < -INPUTS.negative * range;
-        if negative || range <= 0.0 || !driven || !enough(backward.len()) || !enough(forward) {
-            continue;
-        }
-        let (row, channel) = (backward[0], Channel::Input(i));
-        if settings.sign_from_speed {
-            let rows = work.channels.torque.iter_mut().zip(&speed);
-            rows.for_each(|(m, w)| m[i] = m[i].copysign(*w));
-            let action = Action::Corrected("sign_from_speed");
-            work.findings.push(Finding { channel, kind: Kind::Magnitude, action });
-        } else if settings.refuse {
-            return Err(ConditioningError::Magnitude {
-                wheel: i + 1,
-                row: row + 1,
-                value: work.channels.torque[row][i],
-                speed: speed[row],
-            });
-        } else {
-            let action = Action::Noted;
-            work.findings.push(Finding { channel, kind: Kind::Magnitude, action });
-        }
-    }
-    Ok(())
-}
-
-/// Of these rows of backward motion those in which the wheel gains speed most steeply.
-fn gaining(t: &[f64], speed: &[f64], backward: &[usize]) -> Vec<usize> {
-    let step = median_step(t);
-    let half = ((RISE.0 / step).round() as usize).max(RISE.1);
-    let rise = |k: usize| {
-        let (from, to) = (k.saturating_sub(half), (k + half).min(t.len() - 1));
-        (speed[from] - speed[to]) / (t[to] - t[from])
-    };
-    let mut rows = backward.to_vec();
-    rows.sort_by(|a, b| rise(*b).total_cmp(&rise(*a)));
-    rows.truncate((INPUTS.steepest * rows.len() as f64).ceil() as usize);
-    rows
 }
 
 /// Speeds as recorded, or else slopes of the angles.
@@ -191,32 +117,6 @@ mod tests {
         let mut work = Conditioned { channels, findings: vec![] };
         at_rest(&mut work, &Context::default());
         work.findings
-    }
-
-    /// Wheels at these speeds, with these inputs.
-    fn driven(speed: impl Fn(f64) -> f64, input: impl Fn(f64) -> f64) -> Option<String> {
-        let t: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
-        let omega = Some(t.iter().map(|t| [speed(*t); 2]).collect());
-        let torque = t.iter().map(|t| [input(*t); 2]).collect();
-        let channels = Channels { alpha: None, omega, torque, t };
-        let mut work = Conditioned { channels, findings: vec![] };
-        sign(&mut work, &Settings::default()).err().map(|e| e.to_string())
-    }
-
-    #[test]
-    fn a_magnitude_is_refused_under_friction_and_under_inertia() {
-        let speed = |t: f64| 8.0 * (1.3 * t).sin();
-        let (friction, inertia) = (|t: f64| (1.3 * t).sin(), |t: f64| (1.3 * t).cos());
-        for input in [&friction as &dyn Fn(f64) -> f64, &inertia] {
-            let refused = driven(speed, |t| input(t).abs()).unwrap();
-            assert!(refused.contains("M1 never changes its sign"), "{refused}");
-            assert_eq!(driven(speed, input), None);
-        }
-        // a wheel that rolls back by itself under an input that drives it forward alone
-        assert_eq!(driven(speed, |t| (1.3 * t).cos().max(0.0)), None);
-        // noise of a speed sensor at rest goes both ways as well
-        let noise = |t: f64| 0.02 * (1e4 * t * t).sin();
-        assert_eq!(driven(noise, |t| 0.5 + 0.1 * t.sin()), None);
     }
 
     #[test]

@@ -31,6 +31,7 @@ mod held_input;
 mod input;
 mod jitter;
 mod lost;
+mod magnitude;
 mod on_change;
 mod rates;
 mod rows;
@@ -138,7 +139,7 @@ pub fn condition(
     held_input::sampled(&mut work, settings, context);
     spikes::inputs(&mut work, settings, context);
     input::few_levels(&mut work);
-    input::sign(&mut work, settings)?;
+    magnitude::sign(&mut work, settings)?;
     wheels::inputs(&mut work, settings);
     input::at_rest(&mut work, context);
     sensors::refresh(&mut work);

@@ -19,6 +19,7 @@ use nalgebra::Vector3;
 use super::angles::excursions;
 use super::far_out::{Spike, are_felt, far_out, in_order, without};
 use super::finding::{Channel, Finding, Kind};
+use super::magnitude::acting;
 use super::signal::{column, pieces, quantile};
 use super::thresholds::SAMPLES;
 use super::{Conditioned, Context, Settings};
@@ -74,7 +75,9 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings, context: &Cont
         let rows: Vec<usize> = (0..values.len()).collect();
         let found = match context.commanded {
             true => vec![],
-            false => unfelt(work, &values, spikes(t, &values, &rows), i),
+            false => {
+                unfelt(work, &acting(work, &values, i, settings), spikes(t, &values, &rows), i)
+            }
         };
         correct(work, settings, Channel::Input(i), &in_order(far, found));
     }

@@ -71,8 +71,8 @@ fn check(
         return Err(words("no training recording is given".into()));
     }
     let train = || recordings.iter().filter(|m| m.role == Role::Train).map(|m| &m.recording);
-    if super::remarks::without_motion(train()) {
-        return Err(words(super::remarks::NO_MOTION.into()));
+    if let Some(none) = super::no_motion::NoMotion::of(train()) {
+        return Err(words(none.to_string()));
     }
     if super::quality::without_input(train()) {
         return Err(words(
@@ -189,7 +189,7 @@ pub(super) fn assembled(
         assumed: None,
         remarks,
         model,
-        recordings,
+        recordings: super::quality::of_the_set(recordings),
         hold: hold.unwrap_or_default(),
         timing: Err(Untimed::default()),
         emulated: gain.is_some() || methods.iter().any(|m| m.method.fits_emulator()),

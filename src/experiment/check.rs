@@ -12,6 +12,7 @@ use crate::identify::start::start;
 use crate::identify::{IdentifyError, Task};
 use crate::io::exists;
 use crate::recording::StatedIssue;
+use crate::report::format::significant;
 use crate::report::{dead_time, dead_time_advice, no_dead_time};
 use crate::robot::Robot;
 use crate::study::Role;
@@ -84,12 +85,12 @@ fn recording(measured: &MeasuredRecording, out: &mut String) {
     let r = &measured.recording;
     let _ = writeln!(
         out,
-        "  {:<11} {}: {} samples, {:.1} s, {:.0} Hz, {}",
+        "  {:<11} {}: {} samples, {:.1} s, {} Hz, {}",
         measured.role.name(),
         r.name(),
         measured.samples(),
         measured.duration(),
-        1.0 / r.step(),
+        significant(1.0 / r.step(), 3),
         match &measured.long {
             None => format!("{} gaps", r.pieces().len() - 1),
             Some(long) => format!("{} windows held", long.windows),

@@ -16,7 +16,7 @@ use crate::math::correlations;
 use crate::recording::{Noise, Recording};
 use crate::robot::{State, kinematics};
 use crate::simulate::{Dynamics, PhysicalDynamics, SimulateError, Structure, emulate};
-use crate::study::{Judged, MethodStudy, Performance, RecordingStudy, Role};
+use crate::study::{Judged, MethodStudy, Performance, RecordingStudy, Role, Undetermined};
 
 /// The fits of a plan's methods with their errors on its recordings.
 #[derive(Clone)]
@@ -39,6 +39,11 @@ impl Comparison {
     #[must_use]
     pub fn reference_method(&self) -> &MethodStudy {
         &self.methods[self.reference]
+    }
+
+    /// Why the recordings do not determine the model, by the fits of the methods.
+    pub(super) fn undetermined(&self) -> Option<Undetermined> {
+        self.reference_method().undetermined_among(&self.methods)
     }
 
     /// The recordings on which errors are judged.

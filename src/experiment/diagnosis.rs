@@ -171,7 +171,7 @@ fn with_basis<T>(
         false_alarm: asked.settings.false_alarm,
         slow_moment: asked.slow_moment,
         seed: plan.seed,
-        undetermined: short(&train).or_else(|| comparison.reference_method().undetermined()),
+        undetermined: short(&train).or_else(|| comparison.undetermined()),
     })
 }
 
@@ -229,9 +229,7 @@ fn candidates(plan: &Plan, settings: &Settings) -> Vec<String> {
 fn with_held(plan: &Plan, train: &[Recording], comparison: &Comparison) -> Model {
     let mut model = plan.model.clone();
     // a descent that stalled far from a minimum contains no information on identifiability
-    if train.iter().all(Recording::is_single_axis)
-        || comparison.reference_method().undetermined().is_some()
-    {
+    if train.iter().all(Recording::is_single_axis) || comparison.undetermined().is_some() {
         return model;
     }
     let estimates = &comparison.reference_method().estimates;

@@ -16,7 +16,7 @@ use super::resolve::resolve;
 use super::run::{Unfitted, run_in_stages};
 use super::stages::Stages;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
-use crate::report::{not_determined, results, sentence, simulation_error};
+use crate::report::{not_determined, results, sentence, sign_of_speed, simulation_error};
 use crate::study::{Invocation, Judged, Study, Version};
 
 /// Result of an experiment.
@@ -317,8 +317,17 @@ fn finding(study: &Study) -> String {
     }
 }
 
-/// The short verdict printed by the command.
+/// The short verdict printed by the command, with what it is conditional on.
 fn verdict(study: &Study) -> String {
+    [Some(compared(study)), sign_of_speed(study)]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(". ")
+}
+
+/// The errors compared with the noise floor, behind the text of a diagnosis.
+fn compared(study: &Study) -> String {
     let Some(method) = study.reference_method() else {
         return "no method has a fit".into();
     };

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::error::{Meaning, words};
 use super::file::RecordingsEntry;
+use super::no_motion::NoMotion;
 use super::reading::Reading;
-use super::remarks::{NO_MOTION, without_motion};
 use super::source::MeasuredRecording;
 use super::together::{Unread, read_together};
 use crate::conditioning::Settings;
@@ -43,8 +43,8 @@ pub(super) fn read(
             entry.train.join(", ")
         )));
     }
-    if without_motion(train()) {
-        return Err(words(format!("recordings.train: {NO_MOTION} ({})", entry.train.join(", "))));
+    if let Some(none) = NoMotion::of(train()) {
+        return Err(words(format!("recordings.train: {none} ({})", entry.train.join(", "))));
     }
     Ok(measured)
 }

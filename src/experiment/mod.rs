@@ -28,6 +28,7 @@ mod measured;
 mod model_out;
 mod models;
 mod new_file;
+mod no_motion;
 mod options;
 mod origin;
 mod overlay;

@@ -10,6 +10,7 @@ use self::look::Looked;
 use super::error::ExperimentError;
 use super::file::hold_rows;
 use super::guess::{Lengths, Written, file_text, guess, in_a_line, mark_varying};
+use super::no_motion::NoMotion;
 use super::unrepaired::limit;
 use crate::io::{IoError, parts, preview, stated_period, write_whole};
 use crate::study::shell_word;
@@ -79,10 +80,8 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     let notes: Vec<String> = notes.into_iter().chain(lengths.words()).collect();
     let hold = (corrected_rows > hold_rows()).then(|| limit(corrected_rows));
     remarks.extend(words.iter().chain(&notes).cloned());
-    let is_still = kinds.iter().all(|kind| *kind == Some(Kind::Still));
-    if is_still {
-        guess.ask(super::remarks::NO_MOTION);
-    }
+    let without_motion = without_motion(&kinds);
+    guess.ask_all(without_motion.map(|none| none.to_string()));
     let is_asked = guess.is_open();
     let unread: Option<String> = unread.filter(|_| !is_asked);
     guess.ask_all(unread.iter().map(|reason| {
@@ -104,9 +103,20 @@ pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, Expe
     if folder.join(SCHEMA).is_file() {
         text = format!("#:schema ./{SCHEMA}\n\n{text}");
     }
-    let is_open = text.contains("\"?\"") || unread.is_some() || is_still;
+    let is_open = text.contains("\"?\"") || unread.is_some() || without_motion.is_some();
     let notes: String = notes.iter().map(|note| format!("  {note}\n")).collect();
     Ok(Draft { is_open, text, words: guess.words() + &notes })
+}
+
+/// Why none of the recordings shows a motion.
+fn without_motion(kinds: &[Option<Kind>]) -> Option<NoMotion> {
+    let each = kinds.iter().map(|kind| match kind {
+        Some(Kind::Without(none)) => Some(*none),
+        _ => None,
+    });
+    let each = each.collect::<Option<Vec<_>>>()?;
+    let is_steady = each.contains(&NoMotion::Steady);
+    Some(if is_steady { NoMotion::Steady } else { NoMotion::Rest })
 }
 
 /// The recordings, with each test of a SysId file as a separate one.
@@ -187,6 +197,24 @@ mod tests {
         let error = draft(&paths, folder.path()).err().unwrap().to_string();
         assert!(error.contains("there is no column `t`, which "), "{error}");
         assert!(error.contains("its columns are time, a, b, c, d"), "{error}");
+    }
+
+    #[test]
+    fn words_below_empty_cells_are_listed_and_the_unit_of_a_speed_may_be_metres() {
+        let row = |t: f64| {
+            let ground = if t < 2.0 { "" } else { "grass" };
+            format!("{t},{0},{0},{1},{1},{ground}", 0.47 * t.sin(), t.cos())
+        };
+        let found = drafted("ground.csv", "t,velR,velL,curR,curL,ground", row, 400);
+        assert!(
+            found.words.contains("0.00 as deg/s, 0.15 as rev/s, 0.47 as m/s)"),
+            "{}",
+            found.words
+        );
+        assert!(!found.text.contains("no cells for"), "{}", found.text);
+        assert!(found.text.contains("\"grass\", \"grass\""), "{}", found.text);
+        // rows of 0.01 s
+        assert!(found.text.contains("at 100 Hz"), "{}", found.text);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use super::source::MeasuredRecording;
 use crate::conditioning::{self, Channel, Kind};
-use crate::recording::{Finding, Issue, Recording, Severity, quality};
+use crate::recording::{Finding, Issue, Recording, Severity, lacking, quality};
 use crate::robot::Robot;
+use crate::study::Role;
 
 /// The warnings and problems of a recording, the most severe first, without what its conditioning states.
 pub(super) fn findings(
@@ -20,6 +21,18 @@ pub(super) fn notes(measured: &MeasuredRecording, robot: &Robot) -> Vec<Finding>
     let between = |f: &Finding| measured.long.is_some() && matches!(f.issue, Issue::Gaps(..));
     let notes = quality(&measured.recording, robot).findings.into_iter();
     notes.filter(|f| f.severity == Severity::Note && !between(f)).collect()
+}
+
+/// Recordings whose findings are those of the set: that one contains straights or turns alone is none if the training
+/// recordings together contain both.
+pub(super) fn of_the_set(mut recordings: Vec<MeasuredRecording>) -> Vec<MeasuredRecording> {
+    let train: Vec<Recording> =
+        recordings.iter().filter(|m| m.role == Role::Train).map(|m| m.recording.clone()).collect();
+    if lacking(&train).is_none() {
+        let is_kind = |f: &Finding| matches!(f.issue, Issue::StraightOnly | Issue::SpotOnly);
+        recordings.iter_mut().for_each(|m| m.findings.retain(|f| !is_kind(f)));
+    }
+    recordings
 }
 
 /// Leaves out the ratio of a speed to the slope of its angle where conditioning states it: that is the more accurate
@@ -112,6 +125,34 @@ mod tests {
             ("M2", "tau"),
         ];
         assert_eq!(said("emps", &axis, DriveUnit::NewtonMetre).unwrap(), ["", ""]);
+    }
+
+    #[test]
+    fn straights_and_turns_of_a_set_are_not_asked_for_again() {
+        use crate::experiment::Reading;
+        let reading = Reading::new(Robot::amigobot(), DriveUnit::NewtonMetre);
+        let run = |name: &str, turns: f64| {
+            let column = |name: &str, f: &dyn Fn(f64) -> f64| {
+                (name.to_owned(), (0..1000).map(|k| f(0.01 * f64::from(k))).collect::<Vec<_>>())
+            };
+            let columns = [
+                column("t", &|t| t),
+                column("dalpha1", &|t| 5.0 * t.sin()),
+                column("dalpha2", &|t| turns * 5.0 * t.sin()),
+                column("M1", &|t| 0.1 * t.sin() + 0.15 * t.cos()),
+                column("M2", &|t| turns * (0.1 * t.sin() + 0.15 * t.cos())),
+            ];
+            reading.table(Role::Train, name, &columns).unwrap()
+        };
+        let kinds = |recordings| -> Vec<usize> {
+            let is_kind = |f: &&Finding| matches!(f.issue, Issue::StraightOnly | Issue::SpotOnly);
+            let count = |m: MeasuredRecording| m.findings.iter().filter(is_kind).count();
+            of_the_set(recordings).into_iter().map(count).collect()
+        };
+        let (straight, spot) = (|| run("straight", 1.0), || run("spot", -1.0));
+        assert_eq!(kinds(vec![straight(), spot()]), [0, 0]);
+        assert_eq!(kinds(vec![straight(), straight()]), [1, 1]);
+        assert_eq!(kinds(vec![spot()]), [1]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Keys of an experiment file that are valid but have unexpected consequences, and recordings that show no motion.
+//! Keys of an experiment file that are valid but have unexpected consequences.
 
 use toml::{Table, Value};
 
@@ -6,7 +6,7 @@ use super::remark::{FixedMovement, Remark};
 use crate::conditioning::{Action, Channel, Finding, Kind};
 use crate::effects;
 use crate::model::Model;
-use crate::recording::{DriveUnit, Recording, shows_no_motion};
+use crate::recording::{DriveUnit, Recording};
 
 /// Remarks on a file. `table` contains only the keys that are written in it, because defaults need no remark.
 pub(super) fn remarks(table: &Table) -> Vec<Remark> {
@@ -107,17 +107,6 @@ pub(super) fn opposed_wheels<'a>(
         _ => None,
     });
     Some(Remark::Opposed { share, inverted })
-}
-
-/// Recordings at rest.
-pub(super) const NO_MOTION: &str = "the wheels do not move in any training recording: their angles and speeds are \
-                                    constant, or noise that is not correlated with the input. Record a motion of \
-                                    both wheels; if they did move, check which columns are assigned to alpha1, \
-                                    alpha2, dalpha1 and dalpha2, and the sensors";
-
-/// Whether the sensors of both wheels show no motion in any recording.
-pub(super) fn without_motion<'a>(mut recordings: impl Iterator<Item = &'a Recording>) -> bool {
-    recordings.all(|r| (0..2).all(|i| shows_no_motion(r, i)))
 }
 
 #[cfg(test)]

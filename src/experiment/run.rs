@@ -11,7 +11,7 @@ use super::robot_table::has_no_track;
 use super::stages::Stages;
 use super::what_if::what_if;
 use crate::simulate::SimulateError;
-use crate::study::{Invocation, MethodStudy, RecordingStudy, Study};
+use crate::study::{Grade, Invocation, MethodStudy, RecordingStudy, Study};
 
 /// Runs an experiment.
 ///
@@ -86,7 +86,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
     let model = if diagnosis.is_some() { plan.model.clone() } else { plan.fitted_model() };
     let effects = model.added_ids();
     let Models { given, completed, curves } = models;
-    Ok(Study {
+    Ok(with_usable_model(Study {
         effects,
         reference: Some(reference),
         given: Some(given),
@@ -98,7 +98,15 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         model_out,
         what_if,
         ..bare(plan, recordings, methods)
-    })
+    }))
+}
+
+/// The study without the files of a model that is graded as not usable.
+fn with_usable_model(study: Study) -> Study {
+    match study.grade() {
+        Some(Grade::NotUsable) => Study { model_out: None, ..study },
+        _ => study,
+    }
 }
 
 /// A study of recordings and methods without a model.

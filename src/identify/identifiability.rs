@@ -3,12 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::regressor::Regressor;
-use super::{Note, SingleAxis, Unknown};
+use super::{Note, SingleAxis, Task, Unknown};
 use crate::effects::Motion;
 use crate::math::Information;
 use crate::model::Model;
-use crate::model::base::A5;
-use crate::recording::Recording;
+use crate::model::base::{A1, A2, A3, A4, A5};
+use crate::recording::{DriveUnit, Recording};
 
 /// Covariance of all parameters, with notes on it.
 pub(super) struct Identified {
@@ -152,9 +152,17 @@ pub(super) fn least_known(
 }
 
 /// The value at which parameter `j` is held if the data do not identify it: that of the construction data for the base
-/// model, zero for an effect, which has no typical size in the unit of any input and of a robot of any scale.
-pub(super) fn held_value(model: &Model, j: usize) -> f64 {
-    if j > A5 { 0.0 } else { model.initial()[j] }
+/// model, zero for an effect, which has no typical size in the unit of any input and of a robot of any scale. The
+/// construction data are in newton metres: per ampere or volt a friction is held at zero and an inertia at an `estimate`
+/// from the data, unless the file gives an initial value.
+pub(super) fn held_value(task: &Task, j: usize, estimate: f64) -> f64 {
+    let is_torque = task.train.iter().all(|r| r.drive_unit() == DriveUnit::NewtonMetre);
+    match j {
+        A1 | A2 | A3 if !is_torque => task.model.parameters()[j].start.unwrap_or(estimate),
+        A4 | A5 if !is_torque => task.model.parameters()[j].start.unwrap_or(0.0),
+        A1..=A5 => task.model.initial()[j],
+        _ => 0.0,
+    }
 }
 
 /// Every free linear parameter with the torque that one unit of it makes in a curve at the speeds
@@ -285,4 +293,28 @@ fn note(
         _ => Unknown::Several(part.iter().map(|&i| name(i)).collect()),
     };
     Note::Unknown { unknown, effect }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Channels;
+    use crate::robot::Robot;
+    use crate::simulate::Hold;
+
+    #[test]
+    fn construction_data_in_newton_metres_are_no_values_per_ampere() {
+        let held = |unit: DriveUnit, j: usize| {
+            let t: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k)).collect();
+            let rows: Vec<[f64; 2]> = t.iter().map(|t| [t.sin(); 2]).collect();
+            let channels = Channels { t, alpha: None, omega: Some(rows.clone()), torque: rows };
+            let train = [Recording::new("run.csv", channels, unit).unwrap()];
+            let model = Model::base(Robot::amigobot());
+            held_value(&Task { model: &model, train: &train, hold: Hold::Linear, seed: 0 }, j, 0.7)
+        };
+        for (j, construction) in Model::base(Robot::amigobot()).initial().into_iter().enumerate() {
+            assert_eq!(held(DriveUnit::NewtonMetre, j), construction);
+            assert_eq!(held(DriveUnit::Ampere, j), if j < A4 { 0.7 } else { 0.0 });
+        }
+    }
 }

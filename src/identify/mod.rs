@@ -18,6 +18,7 @@ mod open_loop;
 mod profile;
 mod reason;
 mod regressor;
+mod runaway;
 mod sampling;
 mod screening;
 mod simulation_cost;

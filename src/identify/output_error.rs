@@ -87,7 +87,7 @@ impl Identifier for OutputError {
         let at_first = problem.evaluate(&first, f64::INFINITY).ok_or_else(no_start)?;
         let information = problem.information(&at_first.0.gradient, &at_first.0.hessian);
         if let Some(j) = least_known(task.model, &problem.p, &information, task.train) {
-            return self.with_fixed(task, j);
+            return self.with_fixed(task, j, problem.p[j]);
         }
         let [lower, upper] = problem.bounds(&first);
         let options = MinimiseOptions {
@@ -131,9 +131,9 @@ impl Identifier for OutputError {
 }
 
 impl OutputError {
-    /// The fit with parameter `j`, which is not identifiable, fixed at its [`held_value`].
-    fn with_fixed(&self, task: &Task, j: usize) -> Result<Fit, IdentifyError> {
-        let (parameter, value) = (&task.model.parameters()[j], held_value(task.model, j));
+    /// The fit with parameter `j`, which is not identifiable, fixed at its [`held_value`], with an `estimate` of it.
+    fn with_fixed(&self, task: &Task, j: usize, estimate: f64) -> Result<Fit, IdentifyError> {
+        let (parameter, value) = (&task.model.parameters()[j], held_value(task, j, estimate));
         let (symbol, effect) = (parameter.spec.symbol.clone(), parameter.effect.clone());
         let model = task.model.fix(&symbol, value).map_err(|_| no_start())?;
         let mut fit = self.identify(&Task { model: &model, ..*task })?;

@@ -47,6 +47,24 @@ pub enum IdentifyError {
         /// Why.
         reason: RowsError,
     },
+    /// The inertias grew without limit: the speeds do not answer to the input.
+    #[error(
+        "{method}: the fit ran to an inertia of {inertia:.1e} {unit}, with which the largest input could change the speed by \
+         {change:.1e} rad/s in all recordings together, where {recorded:.3} rad/s are recorded: the input does not explain these \
+         speeds. Check which columns are assigned to inputs and speeds, and whether the speeds are set-points"
+    )]
+    Unbounded {
+        /// Name of the method, as in experiment files.
+        method: String,
+        /// The smaller of a1 + a2 and a1 - a2.
+        inertia: f64,
+        /// Its unit.
+        unit: String,
+        /// Change of speed that the largest input could cause [rad/s].
+        change: f64,
+        /// Largest range of a recorded speed [rad/s].
+        recorded: f64,
+    },
     /// Simulation failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::one_size::{acting_sizes, frictionless};
 use super::open_loop::{OpenLoop, smaller_by};
+use super::runaway::bounded;
 use super::start::start;
 use super::torque_regression::TorqueRegression;
 use super::{Fit, Identifier, IdentifyError, Note, Task, Unknown};
@@ -61,8 +62,13 @@ impl<'a> Excited<'a> {
     /// Fits a method.
     ///
     /// # Errors
-    /// As [`Identifier::identify`].
+    /// As [`Identifier::identify`], and inertias that grew without limit.
     pub fn identify(&self, method: &dyn Identifier) -> Result<Fit, IdentifyError> {
+        bounded(self.fitted(method)?, &self.task)
+    }
+
+    /// The fit, however large its inertias.
+    fn fitted(&self, method: &dyn Identifier) -> Result<Fit, IdentifyError> {
         let task = &self.task;
         if method.fits_emulator() {
             return method.identify(task);

@@ -277,7 +277,7 @@ pub(super) struct TextColumn {
     pub(super) values: Vec<f64>,
     /// The different words of the column; empty if there are many.
     pub(super) words: Vec<String>,
-    /// The first cells of a column without numbers.
+    /// The first cells of a column without numbers that contain something; empty ones if no cell does.
     pub(super) texts: Vec<String>,
 }
 
@@ -299,10 +299,16 @@ pub(super) fn all(path: &Path, layout: &Layout) -> Result<Vec<TextColumn>, IoErr
         let words = words(&cells, number);
         let values: Vec<f64> = cells.iter().map(|cell| number(cell).unwrap_or(f64::NAN)).collect();
         let is_text = values.iter().all(|x| x.is_nan());
-        let texts = cells.into_iter().take(if is_text { SHOWN } else { 0 }).collect();
+        let texts = if is_text { shown_cells(cells) } else { vec![] };
         TextColumn { name: name.clone(), values, words, texts }
     };
     Ok(columns.enumerate().filter(|(_, column)| is_column(column)).map(column).collect())
+}
+
+/// The first cells that contain something, or the first ones if all are empty.
+fn shown_cells(cells: Vec<String>) -> Vec<String> {
+    let held: Vec<String> = cells.iter().filter(|c| !c.is_empty()).take(SHOWN).cloned().collect();
+    if held.is_empty() { cells.into_iter().take(SHOWN).collect() } else { held }
 }
 
 /// The different words of the cells, if all cells are words and few are different.

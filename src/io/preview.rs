@@ -15,7 +15,7 @@ pub struct PreviewColumn {
     pub values: Vec<f64>,
     /// The words of a column that holds a few and no numbers.
     pub words: Vec<String>,
-    /// The first cells of a text column without numbers.
+    /// The first cells of a text column without numbers that contain something; empty ones if no cell does.
     pub texts: Vec<String>,
     /// Whether it holds one value in this recording and another one in a recording beside it.
     pub varies: bool,

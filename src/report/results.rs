@@ -6,7 +6,7 @@ use super::verdict::{evidence, recommendation, sentence};
 use crate::conditioning::Finding;
 use crate::diagnose::Judgement;
 use crate::identify::{Estimate, Status};
-use crate::report::{is_determined, no_dead_time};
+use crate::report::{is_determined, no_dead_time, sign_of_speed};
 use crate::study::{DiagnosisStudy, MethodStudy, ModelStudy, Performance, Role, Study};
 
 /// Version of the layout of `results.json`.
@@ -193,6 +193,7 @@ fn diagnosis(study: &Study, d: &DiagnosisStudy) -> Value {
     json!({
         "verdict": d.verdict,
         "sentence": sentence(d),
+        "sign_of_speed": sign_of_speed(study),
         "found": d.found,
         "likely": d.likely().iter().map(|effect| &effect.id).collect::<Vec<_>>(),
         "parameters": d.parameters.iter().map(|p| estimate(&p.estimate)).collect::<Vec<_>>(),

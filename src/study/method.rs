@@ -124,6 +124,16 @@ impl MethodStudy {
         self.undetermined_between_rows().or_else(of_columns)
     }
 
+    /// The same among `all` methods: also if the inertias of another one grew without limit and this one does not identify
+    /// them either.
+    #[must_use]
+    pub fn undetermined_among(&self, all: &[Self]) -> Option<Undetermined> {
+        let is_unbounded = |m: &Self| matches!(m.failure, Some(IdentifyError::Unbounded { .. }));
+        let is_open = self.estimates.get(A1).is_some_and(|e| !e.identifiable && !e.fixed);
+        let of_another = || is_open && !self.gives_inertia() && all.iter().any(is_unbounded);
+        self.undetermined().or_else(|| of_another().then_some(Undetermined::Columns))
+    }
+
     /// The uncertainty of the inertias due to the input between its rows, if it is the larger part of them.
     fn undetermined_between_rows(&self) -> Option<Undetermined> {
         self.notes.iter().find_map(|note| match note {
@@ -199,6 +209,29 @@ mod tests {
         let unknown = Unknown::Two { first, second, weight: 1.0, value: 0.03, std_error: 1e-4 };
         let notes = vec![Note::Unknown { unknown, effect: "inertia".into() }];
         assert!(!MethodStudy { notes, ..stalled }.is_undetermined());
+    }
+
+    #[test]
+    fn a_fit_without_a1_beside_one_that_ran_to_infinity_determines_nothing() {
+        let fit = |std_error| MethodStudy {
+            estimates: ["a1", "a2", "a3", "a4", "a5"]
+                .map(|s| Estimate::new(s, "A".into(), 0.1, if s == "a1" { std_error } else { 1.0 }))
+                .into(),
+            ..MethodStudy::new("torque_regression", "", "", 0.0)
+        };
+        let failed = MethodStudy {
+            failure: Some(IdentifyError::Unbounded {
+                method: "prediction_error".into(),
+                inertia: 1e24,
+                unit: "A s^2/rad".into(),
+                change: 1e-22,
+                recorded: 3.0,
+            }),
+            ..MethodStudy::new("prediction_error", "", "", 0.0)
+        };
+        let among = |std_error| fit(std_error).undetermined_among(std::slice::from_ref(&failed));
+        assert_eq!(among(f64::INFINITY), Some(Undetermined::Columns));
+        assert_eq!((among(0.01), fit(f64::INFINITY).undetermined_among(&[])), (None, None));
     }
 
     #[test]

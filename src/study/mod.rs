@@ -258,7 +258,7 @@ impl Study {
     pub fn undetermined(&self) -> Option<Undetermined> {
         match &self.diagnosis {
             Some(diagnosis) => diagnosis.undetermined,
-            None => self.reference_method().and_then(MethodStudy::undetermined),
+            None => self.reference_method().and_then(|m| m.undetermined_among(&self.methods)),
         }
     }
 

@@ -269,6 +269,11 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// An input without sign, though the wheel turns both ways.
     Magnitude,
+    /// An input that takes the sign of the speed because the experiment file says so.
+    SpeedSign {
+        /// Part of the rows in which it had another sign \[1\].
+        share: R,
+    },
     /// A non-zero input while the robot is at rest before it starts.
     RestOffset {
         /// Mean at rest, in the unit of the input.
@@ -342,6 +347,7 @@ impl Kind {
             Self::Counts { step_rad, .. } => ("counts", step_rad, "rad"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),
+            Self::SpeedSign { share } => ("speed_sign", share, "1"),
             Self::RestOffset { mean, .. } => ("rest_offset", mean, "input"),
             Self::RestNoise { sigma, .. } => ("rest_noise", sigma, "input"),
             Self::Refresh { period_s } => ("refresh", period_s, "s"),

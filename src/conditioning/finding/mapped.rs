@@ -103,6 +103,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             }
             Self::FewLevels { levels } => Kind::FewLevels { levels: whole(levels) },
             Self::Magnitude => Kind::Magnitude,
+            Self::SpeedSign { share } => Kind::SpeedSign { share: real(share) },
             Self::RestOffset { mean, std_error } => {
                 Kind::RestOffset { mean: real(mean), std_error: real(std_error) }
             }

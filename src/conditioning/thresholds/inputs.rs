@@ -5,12 +5,16 @@
 pub struct Inputs {
     /// Share of the top speed above which a wheel turns in one direction (judgement).
     pub turns: f64,
-    /// Smallest number of rows in each direction (judgement).
+    /// Smallest number of rows in each direction (judgement): a quarter of twelve are three, whose median a single row does
+    /// not determine.
     pub both_ways_rows: usize,
     /// Share of the rows in each direction that must be exceeded (judgement).
     pub both_ways: f64,
     /// Share of its range below zero from which on an input has both signs (judgement).
     pub negative: f64,
+    /// Share of the rows that are beyond an offset on either side if an input has a sign (judgement): single wrong samples
+    /// are fewer.
+    pub signed: f64,
     /// Share of the backward rows, those of steepest rise, in which the input must drive the wheel (judgement).
     pub steepest: f64,
     /// Smallest number of rows at rest before the start (judgement).
@@ -35,9 +39,10 @@ pub struct Inputs {
 
 pub(in crate::conditioning) const INPUTS: Inputs = Inputs {
     turns: 0.2,
-    both_ways_rows: 20,
+    both_ways_rows: 12,
     both_ways: 0.02,
     negative: 0.01,
+    signed: 0.01,
     steepest: 0.25,
     at_rest_rows: 20,
     rest_errors: 5.0,

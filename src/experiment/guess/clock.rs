@@ -4,7 +4,7 @@ use super::guessed::{Candidate, Guessed};
 use super::names::Quantity;
 use super::values::{increases, is_constant, largest, whole};
 use crate::io::part_of_second;
-use crate::math::mean;
+use crate::math::{mean, median_high};
 
 /// Share of a second that the fractional parts must exceed at least once; they never reach one.
 const HALF: f64 = 0.5;
@@ -121,7 +121,8 @@ fn seconds_and_part(all: &[Candidate]) -> Option<Guessed> {
     })
 }
 
-/// The column that increases from row to row; a row counter only if there is no other.
+/// The column that increases from row to row; a row counter only if there is no other. It is asked about if its steps are
+/// not those of a time.
 fn rising(all: &[Candidate]) -> Option<Guessed> {
     // counts of a wheel that turns in one direction increase as well
     let rising =
@@ -133,7 +134,8 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
         // a column without a name is the index of a table, and of its own for stamps
         let is_index = one.column.name.trim().is_empty();
         let is_place = !is_index && one.named.rest.iter().all(|w| PLACES.contains(&w.as_str()));
-        Some(Guessed { unit_open: is_place, ..of(one, why) })
+        let unit_open = is_place || !is_steady(&one.column.values);
+        Some(Guessed { unit_open, ..of(one, why) })
     };
     match (&times[..], &rows[..]) {
         ([one], _) => placed(one, "the only column that increases from row to row"),
@@ -147,6 +149,20 @@ fn rising(all: &[Candidate]) -> Option<Guessed> {
         }
         _ => None,
     }
+}
+
+/// Part of the steps of a time that are about as long as their median, and by how much of it they may differ: rows that
+/// are late or lost are fewer (judgement).
+const STEADY: f64 = 0.9;
+const ABOUT: f64 = 0.5;
+
+/// Whether values increase in every row, in nearly even steps. The way of a wheel rests or varies with its speed.
+fn is_steady(values: &[f64]) -> bool {
+    let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let steps: Vec<f64> = held.windows(2).map(|w| w[1] - w[0]).collect();
+    let usual = median_high(steps.iter().copied());
+    let even = steps.iter().filter(|h| (*h / usual - 1.0).abs() <= ABOUT).count();
+    steps.iter().all(|h| *h > 0.0) && even as f64 >= STEADY * steps.len() as f64
 }
 
 /// Variation of the steps of a timer, as a share of their mean, below which they are even.

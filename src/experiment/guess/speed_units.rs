@@ -54,12 +54,13 @@ pub(super) fn open(columns: &[PreviewColumn], guess: &mut Guess) {
     let ground = |by: f64| short(RADIUS * by * top, 2);
     let question = first.unit_question(&format!(
         "up to {}: in rad/s, rpm, deg/s, rev/s, ticks/s, m/s, cm/s or mm/s? Write it as unit (wheels of {RADIUS} m \
-         would go {} m/s as rad/s, {} as rpm, {} as deg/s, {} as rev/s)",
+         would go {} m/s as rad/s, {} as rpm, {} as deg/s, {} as rev/s, {} as m/s)",
         short(top, digits),
         ground(1.0),
         ground(TAU / 60.0),
         ground(PI / 180.0),
-        ground(TAU)
+        ground(TAU),
+        short(top, 2)
     ));
     guess.ask(question);
     let speeds = guess.columns.iter_mut().filter(|c| c.key.starts_with("dalpha"));

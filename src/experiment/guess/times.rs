@@ -50,7 +50,7 @@ pub(super) fn time_question(columns: &[PreviewColumn], guess: &Guess) -> Option<
         Some(no_step(&time.name, counts))
     } else if time.unit_open {
         Some(Question::from(format!(
-            "`{}` is the only column that increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
+            "no name states the time, and `{}` increases from row to row: is it the time? If so, write its unit; if it is a position, write the time column as name, or t = {{ period = 0.02 }} for a constant sampling period",
             time.name
         )))
     } else {

@@ -10,6 +10,7 @@ use crate::experiment::remarks::repeated;
 use crate::experiment::unrepaired::is_needed;
 use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels};
 use crate::recording::{DriveUnit, Recording};
+use crate::report::format::significant;
 
 /// Text for a recording that cannot be read with the columns as detected; the question gives the reason.
 const UNREAD: &str = "can be read when the questions below are answered";
@@ -218,10 +219,10 @@ fn ask_gear(guess: &mut Guess, ratio: f64) {
 
 fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
     let mut out = vec![format!(
-        "{} samples, {:.1} s at {:.0} Hz, {} gaps, {}",
+        "{} samples, {:.1} s at {} Hz, {} gaps, {}",
         r.len(),
         r.duration(),
-        1.0 / r.step(),
+        significant(1.0 / r.step(), 3),
         r.pieces().len() - 1,
         kind.words()
     )];

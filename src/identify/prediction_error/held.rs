@@ -28,7 +28,7 @@ impl Held {
     /// then be identifiable. An inertia of turning that is smaller than that of any robot is misleading too: with a
     /// torque that is missing in the model, small differences between the wheels of a robot that drives straight make
     /// it vanish. Then a2 and a3 have the ratio to a1 + a2 that they have in the construction data. The friction of a
-    /// wheel, which those do not contain, is the typical one or that of `start`, whichever simulates better over 2 s.
+    /// wheel, which those do not contain, is its [`held_value`] or that of `start`, whichever simulates better over 2 s.
     pub(super) fn of(
         task: &Task,
         filter: &HorizonFilter,
@@ -38,13 +38,15 @@ impl Held {
         let mut out = Self { model: task.model.clone(), solution: first, places: vec![] };
         let at = |j: usize, p: &[f64]| match j {
             A2 | A3 => in_proportion(task.model, j, p),
-            _ => held_value(task.model, j),
+            _ => held_value(task, j, start[j]),
         };
         let error = |held: &Self| open.mean(&held.model, &held.solution.p);
         // where the information is not a number, a held parameter would be found again
         while let Some(j) = out.least_known(task).filter(|j| !out.places.contains(j)) {
             let mut values = vec![at(j, &out.solution.p)];
-            values.extend(matches!(j, A4 | A5).then_some(start[j]));
+            // a start at the construction data says nothing of the friction in another unit
+            let is_of_data = matches!(j, A4 | A5) && start[j] != task.model.initial()[j];
+            values.extend(is_of_data.then_some(start[j]));
             let held = values.into_iter().filter_map(|value| out.holding(filter, j, value));
             let Some(best) = held.min_by(|a, b| error(a).total_cmp(&error(b))) else { break };
             out = best;

@@ -141,11 +141,15 @@ fn offset_of(text: &str) -> f64 {
     if text.starts_with('-') { -size } else { size }
 }
 
-/// Days of a date since 1970; the year stands first, as ISO 8601 has it, or last. The month stands before the day
+/// Days of a date since 1970; the year stands first, as ISO 8601 has it, or last, but first between colons
+/// (`2022:06:01`, as cameras write it), which otherwise separate a time of day. The month stands before the day
 /// in the notation of the United States: beside halves of the day, and where only that can be meant.
 fn days_of(date: &str, is_american: bool) -> Option<f64> {
-    let mut parts = date.split(['-', '/', '.']).map(|p| p.parse::<i64>().ok());
+    let mut parts = date.split(['-', '/', '.', ':']).map(|p| p.parse::<i64>().ok());
     let (a, b, c) = (parts.next()??, parts.next()??, parts.next()??);
+    if date.contains(':') && a <= 31 {
+        return None;
+    }
     let (year, month, day) = if a > 31 {
         (a, b, c)
     } else if is_american || b > 12 {
@@ -238,6 +242,7 @@ mod tests {
             "2026-03-03T14:00:00.25+02",
             "2026-03-03T13:00:00.25+01:00[Europe/Berlin]",
             "2026/03/03/12:00:00.25",
+            "2026:03:03 12:00:00.250",
             "3/3/2026 12:00:00.250 PM",
             "2026-03-03 12:00:00:250",
         ] {
@@ -253,6 +258,7 @@ mod tests {
             "0xg1",
             "20261303T000000",
             "2026-13-03 00:00",
+            "03:03:2026 00:00",
             "1:x",
             "1:03:00 XM",
             "12:00:x",

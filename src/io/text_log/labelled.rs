@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::Table;
 use super::lines::{Columns, cells, is_blank, is_comment};
 use super::record::{self, Pairs, qualified};
+use super::stamp;
 use crate::io::columns::is_unit;
 use crate::io::csv::{Style, quantity, value, with_unit};
 
@@ -51,7 +52,11 @@ enum Piece<'a> {
 impl Line {
     /// The numbers of a line; `None` of one in which a number has no label, or that is none of words and numbers.
     pub(super) fn of(line: &str) -> Option<Self> {
-        let (before, rest) = record::before(line.trim());
+        let dated = stamp::behind_word(line.trim());
+        let (before, rest) = match &dated {
+            Some((clock, rest)) => (Some((stamp::CLOCK.into(), *clock)), rest.as_str()),
+            None => record::before(line.trim()),
+        };
         let mut items = items(rest)?;
         if items.first().is_none_or(|item| item.words.is_empty()) {
             return None;
@@ -347,6 +352,9 @@ mod tests {
         assert_eq!(names("a 3 a 4"), ["a", "a.2"]);
         assert_eq!(names("STATE:-1,2,3"), ["STATE.1", "STATE.2", "STATE.3"]);
         assert_eq!(names("1234 l 3 r nan"), ["column1", "l", "r"]);
+        let dated = "IMU;1970:01:01 00:00:02.5;Rate;3;4;Tilt;5";
+        assert_eq!(read(dated).unwrap()[0], ("clock".into(), 2.5));
+        assert_eq!(names(dated), ["clock", "IMU.Rate.1", "IMU.Rate.2", "IMU.Tilt"]);
     }
 
     #[test]

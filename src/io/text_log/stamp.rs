@@ -49,14 +49,30 @@ fn counted(line: &str) -> Option<(f64, &str)> {
 pub(super) fn parted(line: &str) -> Option<(f64, &str)> {
     marked(line).or_else(|| counted(line)).or_else(|| {
         let line = line.trim_start();
-        let (first, rest) = line.split_once(char::is_whitespace)?;
-        if first.contains(':') {
-            return Some((time(first)?, rest));
-        }
-        let (second, rest) = rest.split_once(char::is_whitespace)?;
-        let is_date = first.contains(['-', '/']) && second.contains(':');
-        is_date.then(|| Some((time(&format!("{first} {second}"))?, rest)))?
+        let (first, behind) = line.split_once(char::is_whitespace)?;
+        let dated = || {
+            let (second, rest) = behind.split_once(char::is_whitespace)?;
+            Some((date_time(&format!("{first} {second}"))?, rest))
+        };
+        dated().or_else(|| first.contains(':').then(|| Some((time(first)?, behind)))?)
     })
+}
+
+/// A date with a time in the second cell of a line, behind the word that names its kind, and the line without it:
+/// `IMU;2022:06:01 13:16:42.022;x;0.1`.
+pub(super) fn behind_word(line: &str) -> Option<(f64, String)> {
+    let (at, separator) = line.char_indices().find(|(_, c)| [';', ',', '\t'].contains(c))?;
+    let word = &line[..at];
+    let (cell, rest) = line[at + 1..].split_once(separator)?;
+    let is_word = word.starts_with(char::is_alphabetic) && !word.contains(char::is_whitespace);
+    is_word.then(|| Some((date_time(cell.trim())?, format!("{word}{separator}{rest}"))))?
+}
+
+/// A date with a time of day: `2024-05-01 10:00:00.010`, `2022:06:01T13:16:42`.
+fn date_time(text: &str) -> Option<f64> {
+    let (date, clock) = text.split_once(['T', ' '])?;
+    let is_date = ['-', '/', ':'].iter().any(|mark| date.matches(*mark).count() == 2);
+    (is_date && clock.contains(':')).then(|| time(text))?
 }
 
 /// Whether nearly all lines have a time according to `read`.
@@ -87,6 +103,8 @@ mod tests {
             ("[INFO] [2.5]: l: 1", Some((2.5, " l: 1"))),
             ("00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
             ("1970-01-01 00:00:02,5 INFO l=1", Some((2.5, "INFO l=1"))),
+            ("1970:01:01 00:00:02.5 l 1", Some((2.5, "l 1"))),
+            ("00:00:02.5 l:1 r:2", Some((2.5, "l:1 r:2"))),
             ("[1230] l: 1", Some((1230.0, "l: 1"))),
             ("[3] 1 2", None),
             ("[0.1, 0.2] 1", None),

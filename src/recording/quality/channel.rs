@@ -123,7 +123,10 @@ fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Op
         .max(if channel == Quantity::Input { 0.15 } else { 0.05 } * range);
     let mut found: Vec<usize> =
         sizes().enumerate().filter(|(_, z)| *z > limit).map(|(k, _)| k + 1).collect();
-    if channel != Quantity::Input && !found.is_empty() {
+    if channel == Quantity::Input {
+        let answers = answers(r, i);
+        found.retain(|k| !answers(*k));
+    } else if !found.is_empty() {
         let steps = steps_before(r.torque());
         found.retain(|k| !steps(*k));
     }
@@ -132,6 +135,14 @@ fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Op
     let severity = if channel == Quantity::Input { Severity::Note } else { Severity::Warning };
     let (count, t) = (found.len(), r.t()[first]);
     Some(Finding::new(severity, Issue::Spikes { channel, wheel: i, count, t, around }))
+}
+
+/// Whether the speed of wheel `i` changes at row `k`, or from it to the next, as it does in one of fifty rows (judgement): a
+/// wheel that starts or reverses in a single row answers to an input that lasts as long.
+fn answers(r: &Recording, i: usize) -> impl Fn(usize) -> bool {
+    let change = move |k: usize| (r.omega()[k][i] - r.omega()[k - 1][i]).abs();
+    let usual = quantile((1..r.len()).map(change), 1.0 - RARE);
+    move |k| (k..(k + 2).min(r.len())).any(|k| change(k) > usual)
 }
 
 /// Steps of an angle that the speed cannot explain.

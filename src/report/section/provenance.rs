@@ -2,7 +2,7 @@
 
 use super::{Depth, Section, listed, words};
 use crate::report::block::{Block, Cell, Column, Table, Text};
-use crate::study::Study;
+use crate::study::{Grade, Study};
 
 /// Data required to repeat the run: version, seed, checksums, the experiment file.
 #[derive(Default)]
@@ -40,6 +40,8 @@ impl Section for Provenance {
         }
         if let Some(files) = &study.model_out {
             fact("Identified model", format!("{}{}", files.words(), identified(study)));
+        } else if study.grade() == Some(Grade::NotUsable) {
+            fact("Identified model", "none is written, because it is not usable".to_owned());
         }
         let mut blocks = vec![facts.into()];
         if !study.recordings.is_empty() {

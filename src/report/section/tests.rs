@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use super::all;
 use crate::report::block::Block;
-use crate::report::render;
+use crate::report::{render, results, sign_of_speed};
 use crate::study::Study;
 
 pub(super) use studies::{empty, full};
@@ -207,4 +207,26 @@ fn notes_of_the_quality_check_are_in_the_results() {
     let said: Vec<&str> = findings.as_array().unwrap().iter().filter_map(|f| f.as_str()).collect();
     assert_eq!(said.len(), 1 + study.recordings[0].findings.len());
     assert!(said.last().unwrap().contains("the sign of M2 is not tested"), "{said:?}");
+}
+
+#[test]
+fn a_sign_that_is_that_of_the_speed_is_a_caution_of_the_verdict() {
+    use crate::conditioning::{Action, Channel, Finding, Kind};
+    let mut study = full();
+    assert_eq!(sign_of_speed(&study), None);
+    let given = |i, action| Finding { channel: Channel::Input(i), kind: Kind::Magnitude, action };
+    study.recordings[0].conditioning = vec![
+        given(0, Action::Corrected("sign_from_speed")),
+        given(1, Action::Corrected("sign_from_speed")),
+    ];
+    let caution = sign_of_speed(&study).unwrap();
+    assert!(
+        caution.starts_with(
+            "The sign of M1 and M2 is that of the speed, which the model has to predict"
+        )
+    );
+    assert!(render(&study).unwrap().html.contains(&caution));
+    assert_eq!(results(&study)["diagnosis"]["sign_of_speed"], caution);
+    study.recordings[0].conditioning = vec![given(0, Action::Noted)];
+    assert_eq!(sign_of_speed(&study), None);
 }

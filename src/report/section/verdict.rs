@@ -9,7 +9,7 @@ use crate::effects;
 use crate::identify::Status;
 use crate::report::block::{Block, Number, Text, Tone};
 use crate::report::verdict::{recommends, sentences};
-use crate::report::{format, not_determined, recommendation};
+use crate::report::{format, not_determined, recommendation, sign_of_speed};
 use crate::study::{self, DiagnosisStudy, Grade, MethodStudy, Role, Study};
 
 /// The missing effects, with the errors as evidence and the recommended next recording.
@@ -206,12 +206,18 @@ fn cautions(study: &Study) -> Vec<Block> {
     if let Some(method) = study.reference_method().filter(|_| study.diagnosis.is_none()) {
         fit_cautions(study, method, &mut notice);
     }
-    let others = [failures(study), late_input(study), rest_offset::notice(study), issues(study)];
+    let sign = sign_of_speed(study).map(|sentence| (sentence, SIGN_REMEDY.to_owned()));
+    let others =
+        [sign, failures(study), late_input(study), rest_offset::notice(study), issues(study)];
     for (sentence, detail) in others.into_iter().flatten() {
         notice(sentence, detail.into());
     }
     blocks
 }
+
+/// What to record in place of a magnitude.
+const SIGN_REMEDY: &str =
+    "To test an effect, record the signed input, or the commanded voltage or its direction.";
 
 /// The methods without a fit.
 fn failures(study: &Study) -> Option<(String, String)> {

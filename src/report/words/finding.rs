@@ -234,6 +234,12 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
         Kind::Magnitude => {
             format!("{name} never changes its sign although its wheel is driven both ways")
         }
+        Kind::SpeedSign { share } if share.high() == 0.0 => {
+            format!("{name} has the sign of the speed in every row")
+        }
+        Kind::SpeedSign { share } => {
+            format!("{name} has another sign than the speed in {:.1} % of the rows", percent(share))
+        }
         Kind::RestOffset { mean, std_error } => {
             format!(
                 "{name} is {mean:.5} ± {std_error:.5} while the robot is at rest before it starts"
@@ -301,7 +307,9 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::OfAngle { .. } => "not used: it contains no information beyond the angle",
         Kind::Counts { .. } => "replaced by the angle that the counts add up to",
         Kind::FewLevels { .. } => "treated as a command without noise",
-        Kind::Magnitude => "takes the sign of the speed",
+        Kind::Magnitude | Kind::SpeedSign { .. } => {
+            "takes the sign of the speed (wrong while braking)"
+        }
         Kind::RestOffset { .. } => {
             return format!(
                 "is it an offset of the sensor? Then write `offset` in {name}; a torque that friction holds at rest is left as \

@@ -27,6 +27,23 @@ fn a_column_that_counts_rows_has_its_step_asked() {
 }
 
 #[test]
+fn a_column_whose_steps_are_not_those_of_a_time_is_asked_about() {
+    let speed = counted("column2", |k| (0.1 * k as f64).sin());
+    let open = |of: &dyn Fn(usize) -> f64| {
+        let found = time(&[counted("column1", of), speed.clone()]);
+        assert_eq!(found.name, "column1");
+        found.unit_open
+    };
+    // the way of a wheel that starts, and of one that changes its speed
+    assert!(open(&|k| 0.4 * k.max(4) as f64));
+    assert!(open(&|k| 0.02 * k as f64 + 0.1 * (0.2 * k as f64).sin() / 1.1));
+    // rows that are late by up to a third, and lost ones
+    let late =
+        |k: usize| 0.02 * (k + 7 * (k / 50)) as f64 + 0.003 * (k * 7919 % 101) as f64 / 101.0;
+    assert!(!open(&|k| 0.02 * k as f64) && !open(&late));
+}
+
+#[test]
 fn seconds_and_nanoseconds_without_names_belong_together() {
     let log = [
         counted("column1", |k| 1_718_000_000.0 + (k / 30) as f64),
