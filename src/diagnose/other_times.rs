@@ -16,7 +16,7 @@ const OTHER_TIMES: usize = 19;
 const SHARES: (f64, f64) = (0.1, 0.9);
 
 /// Number of [`OTHER_TIMES`] at which the input explains the motion as well as at its own time: the error over windows
-/// of the judged recordings of a model fitted to the `train`ing recordings with it is not larger than that of `base`.
+/// of the judged recordings of a model fitted to the `train`ing recordings with it is not larger than that of `own`.
 ///
 /// ```text
 /// M_n(k) = M((k + n) mod N),   n = 0.1 N … 0.9 N
@@ -24,13 +24,13 @@ const SHARES: (f64, f64) = (0.1, 0.9);
 /// Source: the permutation test, by circular shifts, which keep the spectrum of the input (Fisher 1935).
 #[must_use]
 pub fn other_times_as_good(
-    base: &WindowFit,
+    own: &WindowFit,
     train: &[Recording],
     judge: &Judge,
     hold: Hold,
 ) -> usize {
-    let WindowFit { model, p, .. } = base;
-    let Ok(own) = judge.judge(model, p) else { return OTHER_TIMES };
+    let WindowFit { model, p, .. } = own;
+    let Ok(judged) = judge.judge(model, p) else { return OTHER_TIMES };
     let error = |n: usize| {
         let share = SHARES.0 + (SHARES.1 - SHARES.0) * n as f64 / (OTHER_TIMES - 1) as f64;
         let at = |recordings: &[Recording]| -> Vec<Recording> {
@@ -44,7 +44,7 @@ pub fn other_times_as_good(
         Judge::new(at(&judge.recordings), hold).judge(&fitted.model, &fitted.p).ok()
     };
     let others = (0..OTHER_TIMES).into_par_iter().filter_map(error);
-    others.filter(|there| there.window_rms <= own.window_rms).count()
+    others.filter(|there| there.window_rms <= judged.window_rms).count()
 }
 
 /// A recording with the input of a time later by a `share` of its rows, continued at its start.

@@ -20,7 +20,7 @@ pub(super) fn unrelated(
     }
     let is_noisy = errors.floor > change;
     if !is_noisy && errors.after <= THRESHOLDS.unexplained * change
-        || other_times_as_good(&diagnosis.base, train, judge, hold) == 0
+        || other_times_as_good(diagnosis.last(), train, judge, hold) == 0
     {
         return None;
     }

@@ -21,9 +21,9 @@ pub fn not_determined(why: Undetermined) -> String {
         ),
         Undetermined::Unrelated { explained } => format!(
             "The recorded input does not explain this motion: the model explains {} of the change of the speeds within 2 s, \
-             and as much of it with the input of other times. Speeds may be set-points \
-             instead of measurements, the input may lack its sign or belong to other motors, or the rows of the two have \
-             different times.",
+             and as much of it with the input of other times. Speeds may be set-points instead of measurements, the input \
+             may lack its sign or belong to other motors, the rows of the two may have different times, or a torque outside \
+             the catalogue may dominate the motion.",
             percent(explained)
         ),
         Undetermined::Short { seconds } => format!(
