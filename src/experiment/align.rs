@@ -374,7 +374,7 @@ mod tests {
         let command = |k: usize| match phase(k) {
             t if t < 0.6 => 1.5 * p[A4],
             t if t < 1.0 => 0.0,
-            t => 0.8 * p[A4] * (std::f64::consts::TAU * (t + (k / 300) as f64 * 0.37)).sin(),
+            t => 0.8 * p[A4] * (std::f64::consts::TAU * (3.0 * t + (k / 300) as f64 * 0.37)).sin(),
         };
         let noise = |k: usize| 0.002 * ((k * k) as f64).sin();
         let t: Vec<f64> = (0..3000).map(|k| h * f64::from(k)).collect();
