@@ -53,7 +53,7 @@ impl Physics for Compliance {
     /// Undamped frequencies around the bandwidth of the sensors, for three divisions of the inertia.
     fn shapes(&self, scale: &Scale) -> Vec<Vec<f64>> {
         let mut out = Vec::new();
-        for share in [0.2, 0.45, 0.7] {
+        for share in [0.06, 0.2, 0.45, 0.7] {
             let rotor = share * scale.inertia;
             let reduced = rotor * (1.0 - share);
             for ratio in geometric(0.6, 25.0, 6) {
@@ -66,14 +66,14 @@ impl Physics for Compliance {
     }
 
     /// Frequencies up to half the sampling rate, damping up to critical damping of the stiffest spring, and
-    /// divisions of the inertia with at least a tenth on either side: beyond these limits the wheels move
-    /// like those of the rigid robot.
+    /// divisions of the inertia in which the rotors, gears and wheels have a fiftieth of it at least (hubs of a heavy robot
+    /// have a tenth and less) and the body a seventh: beyond these limits the wheels move like those of the rigid robot.
     fn limits(&self, scale: &Scale) -> Vec<(f64, f64)> {
         let reduced = 0.25 * scale.inertia;
         let nyquist = std::f64::consts::PI / scale.step;
         let spring = (1e-6 * reduced * nyquist * nyquist, reduced * nyquist * nyquist);
         let damper = (1e-4 * reduced / scale.step, 2.0 * reduced * nyquist);
-        vec![spring, damper, (0.1 * scale.inertia, 0.85 * scale.inertia)]
+        vec![spring, damper, (0.02 * scale.inertia, 0.85 * scale.inertia)]
     }
 
     /// Without a significant stiffness only a damper remains, which is wheel slip.

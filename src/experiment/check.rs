@@ -12,7 +12,7 @@ use crate::identify::start::start;
 use crate::identify::{IdentifyError, Task};
 use crate::io::exists;
 use crate::recording::StatedIssue;
-use crate::report::format::significant;
+use crate::report::format::hertz;
 use crate::report::{dead_time, dead_time_advice, no_dead_time};
 use crate::robot::Robot;
 use crate::study::Role;
@@ -90,7 +90,7 @@ fn recording(measured: &MeasuredRecording, out: &mut String) {
         r.name(),
         measured.samples(),
         measured.duration(),
-        significant(1.0 / r.step(), 3),
+        hertz(1.0 / r.step()),
         match &measured.long {
             None => format!("{} gaps", r.pieces().len() - 1),
             Some(long) => format!("{} windows held", long.windows),

@@ -53,6 +53,16 @@ pub fn digits(value: f64, digits: usize) -> String {
     }
 }
 
+/// A rate in hertz, whole from ten on: 6.5 Hz is not 6 Hz in one recording and 7 Hz in the next.
+///
+/// ```
+/// use amigo_ident::report::format::hertz;
+/// assert_eq!([6.4998, 6.5002, 99.97].map(hertz), ["6.5", "6.5", "100"]);
+/// ```
+pub fn hertz(rate: f64) -> String {
+    if rate < 10.0 { significant(rate, 2) } else { format!("{rate:.0}") }
+}
+
 /// A unit with exponents as superscripts: `kg m^2` becomes `kg m²`.
 pub fn unit(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³").replace('*', "·")

@@ -10,7 +10,7 @@ use crate::experiment::remarks::repeated;
 use crate::experiment::unrepaired::is_needed;
 use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels};
 use crate::recording::{DriveUnit, Recording};
-use crate::report::format::significant;
+use crate::report::format::hertz;
 
 /// Text for a recording that cannot be read with the columns as detected; the question gives the reason.
 const UNREAD: &str = "can be read when the questions below are answered";
@@ -222,7 +222,7 @@ fn seen(r: &Recording, findings: &[Finding], kind: Kind) -> Vec<String> {
         "{} samples, {:.1} s at {} Hz, {} gaps, {}",
         r.len(),
         r.duration(),
-        significant(1.0 / r.step(), 3),
+        hertz(1.0 / r.step()),
         r.pieces().len() - 1,
         kind.words()
     )];

@@ -44,7 +44,7 @@ impl Held {
         // where the information is not a number, a held parameter would be found again
         while let Some(j) = out.least_known(task).filter(|j| !out.places.contains(j)) {
             let mut values = vec![at(j, &out.solution.p)];
-            // a start at the construction data says nothing of the friction in another unit
+            // a start at the construction data is no estimate of a friction in another unit
             let is_of_data = matches!(j, A4 | A5) && start[j] != task.model.initial()[j];
             values.extend(is_of_data.then_some(start[j]));
             let held = values.into_iter().filter_map(|value| out.holding(filter, j, value));
