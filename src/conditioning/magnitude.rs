@@ -195,8 +195,9 @@ mod tests {
     /// and inertia that move them.
     fn reversing(t: f64) -> ([f64; 2], [f64; 2]) {
         let level = |t: f64| {
-            let forward = 3.0 + (0.7 * t).sin();
-            [1.6, 0.5].map(|length| if (30.0..30.0 + length).contains(&t) { -2.5 } else { forward })
+            let (forward, backward) = (3.0 + (0.7 * t).sin(), -2.5 - 0.3 * (9.0 * t).sin());
+            let is_backward = |length: f64| (30.0..30.0 + length).contains(&t);
+            [1.6, 0.5].map(|length| if is_backward(length) { backward } else { forward })
         };
         let (now, next) = (level(t), level(t + 0.1));
         (now, [0, 1].map(|i| now[i].signum() + 0.2 * (next[i] - now[i])))

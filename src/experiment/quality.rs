@@ -138,7 +138,8 @@ mod tests {
             let columns = [
                 column("t", &|t| t),
                 column("dalpha1", &|t| 5.0 * t.sin()),
-                column("dalpha2", &|t| turns * 5.0 * t.sin()),
+                // two wheels, not one axis
+                column("dalpha2", &|t| turns * 5.0 * t.sin() + 0.01 * (7.0 * t).sin()),
                 column("M1", &|t| 0.1 * t.sin() + 0.15 * t.cos()),
                 column("M2", &|t| turns * (0.1 * t.sin() + 0.15 * t.cos())),
             ];

@@ -10,8 +10,7 @@ pub enum Undetermined {
         /// Root mean square change of a speed within 2 s [rad/s].
         change: f64,
     },
-    /// Noise of the channels alone would change the simulated speeds by more than the measured ones change, and the model
-    /// explains as much of their change with the input of other times.
+    /// Noise of the channels alone would change the simulated speeds by more than the measured ones change.
     Noisy {
         /// Noise floor [rad/s].
         floor: f64,

@@ -5,9 +5,9 @@ use crate::recording::Recording;
 use crate::simulate::Hold;
 use crate::study::Undetermined;
 
-/// Why judged recordings do not determine a model: their speeds hardly change; or the input of other times explains the
-/// motion as well, where the model explains less than half of how the speeds change, or where noise of the channels
-/// alone would change them by more.
+/// Why judged recordings do not determine a model: their speeds hardly change; noise of the channels alone would change
+/// them by more, and no effect is found; or the model explains less than half of their change, and as much of it with
+/// the input of other times.
 pub(super) fn unrelated(
     diagnosis: &Diagnosis,
     (judge, hold): (&Judge, Hold),
@@ -19,9 +19,11 @@ pub(super) fn unrelated(
         return Some(Undetermined::Steady { change: change.sqrt() });
     }
     let is_noisy = errors.floor > change;
-    if !is_noisy && errors.after <= THRESHOLDS.unexplained * change
-        || other_times_as_good(diagnosis.last(), train, judge, hold) == 0
-    {
+    let is_poor = errors.after > THRESHOLDS.unexplained * change;
+    // such noise hides every effect, except those that were found
+    let hides = is_noisy && diagnosis.steps.is_empty();
+    let is_unrelated = || other_times_as_good(diagnosis.last(), train, judge, hold) > 0;
+    if !hides && !((is_noisy || is_poor) && is_unrelated()) {
         return None;
     }
     let explained = (1.0 - errors.after / change).max(0.0);
