@@ -371,10 +371,11 @@ mod tests {
         let (p, h) = (model.initial(), 0.01);
         // a second of motion, then two of rest, in which a controller moves its command up and down below the friction
         let phase = |k: usize| (k % 300) as f64 * h;
+        let turns = |n: f64| (std::f64::consts::TAU * n).sin();
         let command = |k: usize| match phase(k) {
             t if t < 0.6 => 1.5 * p[A4],
             t if t < 1.0 => 0.0,
-            t => 0.8 * p[A4] * (std::f64::consts::TAU * (3.0 * t + (k / 300) as f64 * 0.37)).sin(),
+            _ => 0.4 * p[A4] * (turns(2.3 * h * k as f64) + turns(5.1 * h * k as f64)),
         };
         let noise = |k: usize| 0.002 * ((k * k) as f64).sin();
         let t: Vec<f64> = (0..3000).map(|k| h * f64::from(k)).collect();
