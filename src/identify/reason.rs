@@ -58,7 +58,7 @@ pub enum IdentifyError {
         method: String,
         /// The smaller of a1 + a2 and a1 - a2.
         inertia: f64,
-        /// Its unit.
+        /// Unit of the inertia: kg m^2, or that of the recorded input times s^2/rad.
         unit: String,
         /// Change of speed that the largest input could cause [rad/s].
         change: f64,

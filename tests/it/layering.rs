@@ -153,7 +153,10 @@ fn an_effect_is_named_by_its_id_and_not_by_a_word_of_a_sentence() {
 /// The stages through which an experiment passes, with the files and folders of `src/experiment` that hold them.
 /// Each imports only its own stage and those before it.
 const STAGES: [(&str, &[&str]); 9] = [
-    ("the file", &["file", "error", "remark", "remarks", "unrepaired", "guess", "new_file"]),
+    (
+        "the file",
+        &["file", "error", "remark", "remarks", "unrepaired", "no_motion", "guess", "new_file"],
+    ),
     (
         "a plan",
         &[

@@ -7,7 +7,7 @@ use crate::recording::Recording;
 const ONE_WAY: f64 = 0.15;
 /// Turn over travel of a curve in which one wheel goes twice as fast as the other: (2 - 1)/(2 + 1).
 const CURVE: f64 = 1.0 / 3.0;
-/// Largest share of the time in motion that is in such curves if there are none to speak of (judgement): corrections of the
+/// Largest share of the time in motion that is in such curves if the motion counts as straight (judgement): corrections of the
 /// course take less.
 const CURVES: f64 = 0.05;
 /// Time interval over which angles are compared \[s\].
