@@ -15,7 +15,7 @@ const OTHER_TIMES: usize = 19;
 /// Shifts to these times, as shares of a recording: beyond any delay, from both ends of the record.
 const SHARES: (f64, f64) = (0.1, 0.9);
 
-/// Number of [`OTHER_TIMES`] at which the input explains the motion as well as at its own time: the error over windows
+/// Number of 19 other times at which the input explains the motion as well as at its own time: the error over windows
 /// of the judged recordings of a model fitted to the `train`ing recordings with it is not larger than that of `own`.
 ///
 /// ```text
