@@ -9,6 +9,7 @@ mod error;
 mod floor;
 mod horizon;
 mod input_noise;
+mod intervals;
 mod low_pass;
 mod mean;
 mod persistence;
@@ -28,6 +29,7 @@ pub use floor::{
 };
 pub use horizon::{Horizon, fit_percent, horizons};
 pub use input_noise::noisier_input;
+pub use intervals::{Interval, Residual, intervals};
 pub use low_pass::{FilterBuffer, filter_together, filtered, smooth_motion};
 pub use mean::Mean;
 pub use persistence::persistence_rms;

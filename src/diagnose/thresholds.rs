@@ -43,7 +43,7 @@ pub struct Thresholds {
     pub structure: f64,
     /// Smallest -ln p of a dependence of the residual torque, with blocks of 1 s as the independent values, for which
     /// coloured noise of the input is no explanation: with about thirty curves such noise exceeds it once in a thousand
-    /// recordings.
+    /// recordings. The same of a single block among all blocks.
     pub structure_of_blocks: f64,
     /// Largest ratio, and inverse of the smallest, of what an effect removes from the squared error with every other
     /// row of the input to what it removes with all rows: one for an effect of the robot. An error of interpolation is

@@ -231,7 +231,13 @@ mod tests {
     #[test]
     fn a_verdict_states_its_parts_in_the_order_error_likely_effect_dependence_formula() {
         let likely = UnprovenEffect { id: "slope".into(), lowers: 0.117, crossed: false };
-        let depends = DependenceStudy { shown: None, beside: None, tested: None, is_left: false };
+        let depends = DependenceStudy {
+            shown: None,
+            beside: None,
+            tested: None,
+            is_left: false,
+            events: None,
+        };
         let stated =
             DiagnosisStudy { unproven: Some(likely), dependence: Some(depends), ..unknown() };
         let error = "An effect outside the catalogue is missing. The 2 s simulation error is 3.0 times the noise floor.";

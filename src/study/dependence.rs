@@ -1,6 +1,6 @@
 //! Dependence of the residual torque on a variable.
 
-use crate::compare::{Curve, Variable};
+use crate::compare::{Curve, Interval, Variable};
 use crate::diagnose::THRESHOLDS;
 
 /// Dependence of the residual torque of the last model, as shown by the curves of the report.
@@ -15,17 +15,38 @@ pub struct DependenceStudy {
     pub tested: Option<Variable>,
     /// Whether this is the residual torque that remains with the effects found.
     pub is_left: bool,
+    /// Where it is larger than any stationary noise explains.
+    pub events: Option<Events>,
+}
+
+/// Intervals in which the residual torque is larger than any stationary noise explains, at least one.
+#[derive(Clone, Debug)]
+pub struct Events {
+    /// In the order of time, recording by recording.
+    pub intervals: Vec<Interval>,
+    /// Names of the recordings.
+    pub names: Vec<String>,
+}
+
+impl Events {
+    /// The one with the largest residual torque.
+    #[must_use]
+    pub fn largest(&self) -> &Interval {
+        let size = |interval: &&Interval| interval.torque.abs();
+        let all = self.intervals.iter();
+        all.max_by(|a, b| size(a).total_cmp(&size(b))).expect("at least one")
+    }
 }
 
 impl DependenceStudy {
-    /// Dependence from the `curves` of a residual torque that depends significantly on `tested`.
+    /// Dependence from the `curves` of a residual torque that depends significantly on `tested`, with its `events`.
     #[must_use]
-    pub fn of(curves: &[Curve], tested: Option<Variable>) -> Self {
+    pub fn of(curves: &[Curve], tested: Option<Variable>, events: Option<Events>) -> Self {
         let shown = most_left(curves).filter(|curve| curve.left() >= THRESHOLDS.named_share);
         let answers = shown.is_some_and(|curve| curve.variable.answers());
         let beside = answers.then(|| most_pointing(curves)).flatten();
         let is_left = curves.iter().any(|curve| curve.share_after.is_some());
-        Self { shown: shown.cloned(), beside: beside.cloned(), tested, is_left }
+        Self { shown: shown.cloned(), beside: beside.cloned(), tested, is_left, events }
     }
 }
 

@@ -14,7 +14,7 @@ mod model;
 mod undetermined;
 mod what_if;
 
-pub use dependence::{DependenceStudy, is_most_of_it, is_plain, most_pointing};
+pub use dependence::{DependenceStudy, Events, is_most_of_it, is_plain, most_pointing};
 pub use diagnosis::{
     Advice, CandidateStudy, DiagnosisStudy, Logging, MethodAtFloor, StepStudy, Verdict, Withheld,
 };

@@ -1,6 +1,7 @@
 //! Comparison of a diagnosis with the noise floor, and the resulting verdict.
 
 use super::Basis;
+use super::events::events;
 use super::next::{advice, propose, to_prove};
 use super::ranking::{ranking, staircase};
 use super::unrelated::unrelated;
@@ -14,8 +15,8 @@ use crate::math::correlations;
 use crate::recording::Recording;
 use crate::simulate::{Hold, SimulateError};
 use crate::study::{
-    Advice, DependenceStudy, DiagnosisStudy, FormulaStudy, FoundEffect, Logging, Undetermined,
-    UnprovenEffect, Verdict, Withheld, is_plain, parameters_of,
+    Advice, DependenceStudy, DiagnosisStudy, Events, FormulaStudy, FoundEffect, Logging,
+    Undetermined, UnprovenEffect, Verdict, Withheld, is_plain, parameters_of,
 };
 
 /// A diagnosis compared with the noise floor of the judged recordings.
@@ -39,6 +40,8 @@ pub(super) struct Concluded<'a> {
     differs: Option<Difference>,
     /// The variable on which the residual torque of the last model depends significantly.
     depends_on: Option<Variable>,
+    /// Where the residual torque of the last model is larger than any stationary noise explains.
+    events: Option<Events>,
 }
 
 impl<'a> Concluded<'a> {
@@ -71,7 +74,10 @@ impl<'a> Concluded<'a> {
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
         let by_blocks = structured_by_blocks(curves);
-        let structure = by_blocks.is_some() || depends_on.is_some() && structured(curves);
+        let events =
+            if errors.above_floor() { events(diagnosis.last(), &all, basis.hold) } else { None };
+        let structure =
+            by_blocks.is_some() || events.is_some() || depends_on.is_some() && structured(curves);
         let depends_on = depends_on.or(by_blocks);
         // slow noise of the input, as the innovations show it, may cause an error without structure that no effect
         // lowers
@@ -104,6 +110,7 @@ impl<'a> Concluded<'a> {
             withheld,
             differs,
             depends_on,
+            events,
         })
     }
 
@@ -119,7 +126,7 @@ impl<'a> Concluded<'a> {
             }
             Conclusion::Sufficient => false,
         };
-        is_stated.then(|| DependenceStudy::of(curves, self.depends_on))
+        is_stated.then(|| DependenceStudy::of(curves, self.depends_on, self.events.clone()))
     }
 
     /// The verdict, with the dependence of the residual torque if it states this, and with a `formula` for

@@ -1,6 +1,7 @@
 //! The verdict of a diagnosis: what is missing, with the errors that show it, as plain data.
 
 mod concluded;
+mod events;
 mod formula;
 mod next;
 mod ranking;

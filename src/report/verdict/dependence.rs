@@ -1,18 +1,24 @@
 //! Text on the dependence of the residual torque.
 
-use crate::compare::{Acting, Curve};
+use crate::compare::{Acting, Curve, Interval};
 use crate::recording::DriveUnit;
 use crate::report::format;
-use crate::study::{DependenceStudy, is_most_of_it};
+use crate::study::{DependenceStudy, Events, is_most_of_it};
 
 /// "The residual torque depends most on the heading (72 % of it, up to 0.31 N m)." `unit`: unit of the input.
 pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
-    let DependenceStudy { shown, beside, tested, is_left } = dependence;
+    let DependenceStudy { shown, beside, tested, is_left, events } = dependence;
     let residual = if *is_left { "remaining residual torque" } else { "residual torque" };
     let on = |curve: &Curve| {
         let (variable, acting) = (curve.variable.words(), curve.acting.words());
         format!("the {variable}{acting} ({})", amount(curve, unit))
     };
+    let is_most = shown.as_ref().is_some_and(is_most_of_it);
+    let at = events.as_ref().map(|events| at_single_times(events, residual, unit));
+    // what happens at single times also correlates with whatever the robot did then
+    if let Some(at) = at.as_ref().filter(|_| tested.is_none() && !is_most) {
+        return at.clone();
+    }
     let depends = match (shown, tested) {
         (Some(curve), _) if curve.variable.answers() => format!(
             "The {residual} varies most with {}; under feedback control it does so for any disturbance",
@@ -26,7 +32,7 @@ pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
             "The residual torque does not depend clearly on any variable that was tried".to_owned()
         }
     };
-    let end = match (tested, shown.as_ref().is_some_and(is_most_of_it)) {
+    let end = match (tested, is_most) {
         (Some(_), _) | (None, true) => ".",
         (None, false) => {
             "; coloured noise of the recorded input and external disturbances look the same."
@@ -35,7 +41,27 @@ pub(super) fn words(dependence: &DependenceStudy, unit: DriveUnit) -> String {
     let beside = beside.as_ref().map_or(String::new(), |curve| {
         format!(" Among speeds, angles and time, it depends most on {}.", on(curve))
     });
-    depends + end + &beside
+    let at = at.map_or(String::new(), |at| format!(" {at}"));
+    depends + end + &beside + &at
+}
+
+/// "At single times the residual torque is larger than any stationary noise explains: 0.3 N m on wheel 1 from 9.4 to
+/// 10.4 s of run_b.csv, and 3 times more."
+fn at_single_times(events: &Events, residual: &str, unit: DriveUnit) -> String {
+    let Interval { recording, wheel, from, to, torque, .. } = events.largest();
+    let more = match events.intervals.len() - 1 {
+        0 => String::new(),
+        1 => ", and once more".to_owned(),
+        more => format!(", and {more} times more"),
+    };
+    format!(
+        "At single times the {residual} is larger than any stationary noise explains: {} {} on wheel {} from {from:.1} to \
+         {to:.1} s of {}{more}. Something acted on the robot then, or the recorded input did not reach the motors.",
+        format::significant(*torque, 2),
+        unit.symbol(),
+        wheel + 1,
+        events.names[*recording],
+    )
 }
 
 /// "72 % of it, up to 0.31 N m"; for a gain "up to 31 % of the input".
@@ -58,7 +84,7 @@ mod tests {
     use crate::compare::{CurveBin, Mean, Variable};
 
     fn of(curves: &[Curve], tested: Option<Variable>) -> String {
-        words(&DependenceStudy::of(curves, tested), DriveUnit::NewtonMetre)
+        words(&DependenceStudy::of(curves, tested, None), DriveUnit::NewtonMetre)
     }
 
     fn curve(variable: Variable, before: f64, after: Option<f64>) -> Curve {
@@ -92,6 +118,34 @@ mod tests {
             words,
             "The remaining residual torque depends most on the time (up to 0.31 N m)."
         );
+    }
+
+    #[test]
+    fn what_happens_at_single_times_is_reported_with_its_time() {
+        let at = |recording, wheel, from, torque| {
+            let to = from + 0.9;
+            Interval { recording, wheel, from, to, torque, blocks: 1 }
+        };
+        let intervals = vec![at(0, 0, 3.0, 0.1), at(1, 1, 9.0, -0.3)];
+        let events =
+            || Some(Events { intervals: intervals.clone(), names: vec!["a".into(), "b".into()] });
+        let curves = [curve(Variable::TurnRate, 0.089, None)];
+        let of =
+            |tested| words(&DependenceStudy::of(&curves, tested, events()), DriveUnit::NewtonMetre);
+        let alone = of(None);
+        assert!(
+            alone.starts_with(
+                "At single times the residual torque is larger than any stationary noise explains: −0.3 N m on wheel 2 from \
+                 9.0 to 9.9 s of b, and once more."
+            ),
+            "{alone}"
+        );
+        let beside = of(Some(Variable::TurnRate));
+        assert!(
+            beside.starts_with("The residual torque depends most on the turn rate"),
+            "{beside}"
+        );
+        assert!(beside.contains(". At single times"), "{beside}");
     }
 
     #[test]
