@@ -150,7 +150,7 @@ impl<'a> Acting<'a> {
 
     /// Initial state of a window.
     fn start(&self, window: &Range<usize>) -> State {
-        self.recording.local_motion()[window.start].start()
+        self.recording.start_at(window.start).state
     }
 }
 

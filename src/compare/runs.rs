@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::error::{Acting, windows_of};
 use super::input_noise::{noisier_input, normal, slowly_noisier_input};
 use crate::math::trapezoid;
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::{Recording, Start};
 use crate::robot::State;
 use crate::simulate::{
     Dynamics, Hold, Realisation, SimulateError, Speeds, WINDOW, every_other, speeds_of_realisations,
@@ -31,6 +31,8 @@ pub(super) struct Runs<'a> {
     reach: Reach,
     /// Rows of the windows of 2 s.
     short: Vec<Range<usize>>,
+    /// Starts of the free simulation of each piece, and of the windows.
+    recorded: [Vec<Start>; 2],
     /// The simulation with the recorded input and initial state.
     plain: Run,
 }
@@ -94,9 +96,15 @@ impl<'a> Runs<'a> {
         reach: Reach,
         inputs: &[Vec<[f64; 2]>],
     ) -> Result<(Self, Vec<Run>), SimulateError> {
-        let whole = recording.pieces().iter();
-        let short = whole.flat_map(|p| windows_of(recording, p, WINDOW)).collect();
-        let mut runs = Self { dynamics, recording, hold, reach, short, plain: Run::default() };
+        let whole = recording.pieces();
+        let short: Vec<Range<usize>> =
+            whole.iter().flat_map(|p| windows_of(recording, p, WINDOW)).collect();
+        let at = |ranges: &[Range<usize>]| -> Vec<Start> {
+            ranges.iter().map(|range| recording.start_at(range.start)).collect()
+        };
+        let recorded = [at(whole), at(&short)];
+        let plain = Run::default();
+        let mut runs = Self { dynamics, recording, hold, reach, short, recorded, plain };
         let mut all = runs.all(inputs, vec![runs.starts(None)])?;
         runs.plain = all.remove(0);
         Ok((runs, all))
@@ -105,12 +113,11 @@ impl<'a> Runs<'a> {
     /// Initial states, with a realisation of the noise of the speeds if `rng` is given; those of the windows are the
     /// same draws with a free simulation and without.
     fn starts(&self, mut rng: Option<&mut ChaCha8Rng>) -> Starts {
-        let motion = self.recording.local_motion();
-        let mut of = |ranges: &[Range<usize>]| -> Vec<State> {
-            ranges.iter().map(|range| start(&motion[range.start], rng.as_deref_mut())).collect()
-        };
-        let whole = of(self.recording.pieces());
-        Starts { whole, short: of(&self.short) }
+        let [whole, short] = self
+            .recorded
+            .each_ref()
+            .map(|starts| starts.iter().map(|first| start(first, rng.as_deref_mut())).collect());
+        Starts { whole, short }
     }
 
     /// One run for every input, or for every choice of initial states; of the other there is one.
@@ -235,17 +242,17 @@ fn spread(a: &[f64; 2], b: &[f64; 2], i: usize) -> f64 {
     if d.is_finite() { d } else { 0.0 }
 }
 
-/// Initial state of a simulation, with a realisation of the noise of the speeds if `rng` is given.
-fn start(local: &LocalMotion, rng: Option<&mut ChaCha8Rng>) -> State {
-    let mut first = local.start();
+/// Initial state of a simulation, with a realisation of the error of the speeds if `rng` is given.
+fn start(recorded: &Start, rng: Option<&mut ChaCha8Rng>) -> State {
+    let Start { state: mut first, omega_square_error } = *recorded;
     let Some(rng) = rng else { return first };
     let draws = [normal(rng), normal(rng)];
-    let single = local.omega[0] == local.omega[1];
+    let single = first.omega[0] == first.omega[1];
     for i in 0..2 {
         // a wheel at rest stays at rest: noise is drawn only for moving wheels
         if first.omega[i] != 0.0 {
             let draw = if single { draws[0] } else { draws[i] };
-            first.omega[i] = local.omega[i] + local.omega_variance[i].sqrt() * draw;
+            first.omega[i] += omega_square_error[i].sqrt() * draw;
         }
     }
     first

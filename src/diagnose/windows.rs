@@ -28,7 +28,7 @@ use crate::effects::{Motion, Scale};
 use crate::math::descent::Quadratic;
 use crate::math::median;
 use crate::model::{Model, inverse_mass};
-use crate::recording::Recording;
+use crate::recording::{Recording, Start};
 use crate::robot::State;
 use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, follow_part, halved};
 
@@ -68,8 +68,8 @@ impl<'a> Windows<'a> {
         for (r, (recording, rows)) in recordings.iter().zip(rows).enumerate() {
             for piece in rows {
                 windows.extend(cut(recording, piece).map(|rows| {
-                    let motion = &recording.local_motion()[rows.start];
-                    let (start, variance) = (motion.start(), motion.omega_variance);
+                    let Start { state: start, omega_square_error: variance } =
+                        recording.start_at(rows.start);
                     Window { recording: r, rows, start, variance, share: [1.0; 2], growing: None }
                 }));
             }

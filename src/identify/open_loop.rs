@@ -46,7 +46,6 @@ impl OpenLoop<'_> {
 
     fn error(&self, model: &Model, p: &[f64], (r, rows): &(usize, Range<usize>)) -> Option<f64> {
         let recording = &self.train[*r];
-        let motion = recording.local_motion();
         let t = recording.t();
         let whole = recording.piece_of(rows.start)?;
         // the body state of a two-mass drivetrain is initialised by simulating the windows before
@@ -57,7 +56,7 @@ impl OpenLoop<'_> {
         let before = if first < rows.start { windows(t, &(first..rows.start)) } else { vec![] };
         let own = windows(t, rows);
         let with_start = |window: &Range<usize>| {
-            (window.start - from..window.end - from, motion[window.start].start())
+            (window.start - from..window.end - from, recording.start_at(window.start).state)
         };
         let all: Vec<_> = before.iter().chain(&own).map(with_start).collect();
         let input = Input { t: &t[from..rows.end], torque: &acting, hold: self.hold };

@@ -2,6 +2,8 @@
 
 mod agreement;
 mod corner;
+mod response;
+mod source;
 
 use std::ops::Range;
 
@@ -9,6 +11,8 @@ use wide::f64x2;
 
 use self::agreement::{Agreement, Fit, Fits};
 use self::corner::{Corner, Corners, around};
+pub(super) use self::response::Response;
+use self::source::Source;
 use super::{LocalMotion, Measured, MotionNoise, Recording};
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
@@ -40,10 +44,10 @@ impl Recording {
     }
 
     fn parabolas_of_all(&self) -> Vec<LocalMotion> {
-        let noise = self.motion_noise();
+        let (source, around) = (Source::measured(self), Neighbourhoods::of(self));
         let mut out = vec![LocalMotion::default(); self.len()];
         for piece in self.pieces() {
-            self.parabolas(piece, piece.clone(), &noise, &mut out[piece.clone()]);
+            around.parabolas(&source, piece, piece.clone(), &mut out[piece.clone()]);
         }
         out
     }
@@ -53,7 +57,8 @@ impl Recording {
     pub fn local_motion_at(&self, k: usize) -> LocalMotion {
         let mut out = [LocalMotion::default()];
         if let Some(piece) = self.piece_of(k) {
-            self.parabolas(piece, k..k + 1, &self.motion_noise(), &mut out);
+            let source = Source::measured(self);
+            Neighbourhoods::of(self).parabolas(&source, piece, k..k + 1, &mut out);
         }
         out[0]
     }
@@ -64,70 +69,91 @@ impl Recording {
     pub fn local_speed_variance(&self, k: usize, noise: &MotionNoise) -> [f64; 2] {
         let Some(piece) = self.piece_of(k) else { return [0.0; 2] };
         let mut out = LocalMotion::default();
-        let mut parabolas = Parabolas::new(self, k, &weights(self, noise));
+        let source = Source::measured(self);
+        let mut parabolas = Parabolas::new(&source, k, &weights(self, noise));
         parabolas.widen(around(piece, k, half_width(self, self.rows_per_refresh())));
         let fits = parabolas.fit();
         [0, 1].into_iter().for_each(|i| fits.write(i, &mut out));
         out.omega_variance
     }
+}
+
+/// The neighbourhoods of the rows of a recording.
+#[derive(Clone, Debug)]
+struct Neighbourhoods {
+    /// Half widths of all but the widest, ascending.
+    narrower: Vec<usize>,
+    widest: usize,
+    /// See [`weights`].
+    weights: [f64x2; 2],
+    /// Noise of the angles, if they alone were measured: rows that repeat the last value, and counts that hide the speed,
+    /// show no corner.
+    angles_alone: Option<[f64; 2]>,
+}
+
+impl Neighbourhoods {
+    fn of(recording: &Recording) -> Self {
+        // it counts the rows
+        let refresh = recording.rows_per_refresh();
+        let (narrower, widest) = half_widths(recording, refresh);
+        let noise = recording.motion_noise();
+        let alone = !recording.measured().omega && refresh == 1 && recording.reach() == 1;
+        let angles_alone = alone.then_some(noise.alpha);
+        Self { narrower, widest, weights: weights(recording, &noise), angles_alone }
+    }
 
     /// The motion at `rows` of a piece.
     fn parabolas(
         &self,
+        source: &Source,
         piece: &Range<usize>,
         rows: Range<usize>,
-        noise: &MotionNoise,
         out: &mut [LocalMotion],
     ) {
-        // once for all rows: it counts them
-        let refresh = self.rows_per_refresh();
-        // rows that repeat the last value, and counts that hide the speed, show no corner
-        let angles_alone = !self.measured().omega && refresh == 1 && self.reach() == 1;
-        let corners =
-            angles_alone.then(|| [0, 1].map(|i| Corners::of(self, piece, rows.clone(), i)));
-        let halves = half_widths(self, refresh);
-        let weights = weights(self, noise);
+        let corners = self
+            .angles_alone
+            .map(|sigma| [0, 1].map(|i| (Corners::of(source, piece, rows.clone(), i), sigma[i])));
         for (k, out) in rows.zip(out) {
-            let of =
-                |corners: &[Corners; 2]| [corners[0].at(k).copied(), corners[1].at(k).copied()];
+            let of = |corners: &[(Corners, f64); 2]| [0, 1].map(|i| corners[i].0.at(k).copied());
             let at_row = corners.as_ref().map_or([None; 2], of);
-            self.parabola(piece, Parabolas::new(self, k, &weights), &halves, at_row, out);
-            for (i, corners) in corners.iter().flatten().enumerate() {
-                out.omega_variance[i] += corners.roughness(k, noise.alpha[i]);
+            self.parabola(piece, Parabolas::new(source, k, &self.weights), at_row, out);
+            for (i, (corners, sigma)) in corners.iter().flatten().enumerate() {
+                out.omega_variance[i] += corners.roughness(k, *sigma);
             }
         }
     }
 
     /// Angle and speed of both wheels, each from the widest neighbourhood that agrees with all narrower ones, and their
-    /// accelerations from the widest of all, the last of some half widths.
+    /// accelerations from the widest of all. Returns the estimate of the square of what is left of the error of each speed
+    /// by the shape of the motion, [`Agreement::curvature`].
     fn parabola(
         &self,
         piece: &Range<usize>,
         mut parabolas: Parabolas,
-        (narrower, widest): &(Vec<usize>, usize),
         corners: [Option<Corner>; 2],
         out: &mut LocalMotion,
-    ) {
+    ) -> [Option<f64>; 2] {
         let k = parabolas.sample;
         let mut agreements = [0, 1].map(|i| {
             let corner = || Some(parabolas.at_corner(i, corners[i].as_ref()?));
             Agreement::new(i, parabolas.at_row(i).or_else(corner))
         });
-        for half in narrower {
+        for half in &self.narrower {
             if !agreements.iter().any(|agreement| agreement.goes_on) {
                 break;
             }
             parabolas.widen(around(piece, k, *half));
             let fits = parabolas.fit();
-            agreements.iter_mut().for_each(|agreement| agreement.see(&fits));
+            agreements.iter_mut().for_each(|agreement| agreement.see(&fits, *half));
         }
-        parabolas.widen(around(piece, k, *widest));
+        parabolas.widen(around(piece, k, self.widest));
         let fits = parabolas.fit();
         for (i, agreement) in agreements.iter_mut().enumerate() {
-            agreement.see(&fits);
+            agreement.see(&fits, self.widest);
             fits.write(i, out);
             agreement.write(out);
         }
+        agreements.map(|agreement| agreement.curvature())
     }
 }
 
@@ -162,7 +188,7 @@ fn weights(recording: &Recording, noise: &MotionNoise) -> [f64x2; 2] {
 /// Sums over a neighbourhood of a sample that grows to both sides: powers of the time τ relative to the
 /// sample, and their products with angle and speed, both wheels side by side.
 struct Parabolas<'a> {
-    recording: &'a Recording,
+    source: &'a Source<'a>,
     sample: usize,
     /// See [`weights`].
     weight: [f64x2; 2],
@@ -175,21 +201,21 @@ struct Parabolas<'a> {
 }
 
 impl<'a> Parabolas<'a> {
-    fn new(recording: &'a Recording, sample: usize, weight: &[f64x2; 2]) -> Self {
+    fn new(source: &'a Source<'a>, sample: usize, weight: &[f64x2; 2]) -> Self {
         let (alpha, omega) = ([f64x2::ZERO; 3], [f64x2::ZERO; 2]);
         let (range, powers) = (sample..sample, [0.0; 5]);
-        Self { recording, sample, weight: *weight, range, powers, alpha, omega }
+        Self { source, sample, weight: *weight, range, powers, alpha, omega }
     }
 
     /// The row itself, if the speed of wheel `i` was measured.
     fn at_row(&self, i: usize) -> Option<Fit> {
-        let (r, k) = (self.recording, self.sample);
+        let (source, k) = (self.source, self.sample);
         let [a, w] = self.weight.map(|weight| weight.to_array()[i]);
-        if !(w > 0.0 && r.is_reading(k)) {
+        if !(w > 0.0 && source.recording.is_reading(k)) {
             return None;
         }
         let alpha_variance = if a > 0.0 { 1.0 / a } else { 0.0 };
-        let (alpha, omega) = (r.alpha()[k][i], r.omega()[k][i]);
+        let (alpha, omega) = (source.alpha(k)[i], source.omega(k)[i]);
         Some(Fit { alpha, omega, alpha_variance, omega_variance: 1.0 / w })
     }
 
@@ -202,10 +228,10 @@ impl<'a> Parabolas<'a> {
 
     /// Adds the rows of a wider range to the sums.
     fn widen(&mut self, to: Range<usize>) {
-        let (r, k) = (self.recording, self.sample);
-        let (now, angle) = (r.t()[k], f64x2::from(r.alpha()[k]));
+        let (r, k) = (self.source.recording, self.sample);
+        let (now, angle) = (r.t()[k], f64x2::from(self.source.alpha(k)));
         for rows in [to.start..self.range.start, self.range.end..to.end] {
-            let channels = r.alpha()[rows.clone()].iter().zip(&r.omega()[rows.clone()]);
+            let channels = self.source.channels(rows.clone());
             let stamps = r.t()[rows.clone()].iter().zip(&r.fresh()[rows]);
             for ((t, fresh), (alpha, omega)) in stamps.zip(channels) {
                 // a row that repeats the last value is not a measurement
@@ -253,10 +279,10 @@ impl<'a> Parabolas<'a> {
         let times =
             |row: [f64x2; 3]| (row[0] * right[0] + row[1] * right[1] + row[2] * right[2]) * share;
         let (alpha, omega) = (times([c00, c01, c02]), times([c01, c11, c12]));
-        let (rows, angle) = (self.rows_per_count(), self.recording.alpha()[self.sample]);
+        let (rows, angle) = (self.rows_per_count(), self.source.alpha(self.sample));
         let variance = (c00 * share * rows).to_array();
         Fits {
-            row: (angle, self.recording.omega()[self.sample]),
+            row: (angle, self.source.omega(self.sample)),
             determinant: determinant.to_array(),
             alpha: (f64x2::from(angle) + alpha).to_array(),
             omega: omega.to_array(),
@@ -270,7 +296,7 @@ impl<'a> Parabolas<'a> {
     /// the errors of rows with the same count are not independent, so that together they determine the motion like one
     /// row.
     fn rows_per_count(&self) -> f64x2 {
-        let (r, rows) = (self.recording, &self.range);
+        let (r, rows) = (self.source.recording, &self.range);
         if r.reach() == 1 {
             return f64x2::ONE;
         }

@@ -26,7 +26,7 @@ pub use drive_unit::DriveUnit;
 pub use error::RecordingError;
 pub(crate) use gaps::{is_gap, pieces};
 pub use long::{LongRecording, Rows, RowsError, Survey};
-pub use motion::LocalMotion;
+pub use motion::{LocalMotion, Start};
 pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};

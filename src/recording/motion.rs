@@ -21,16 +21,28 @@ pub struct LocalMotion {
     pub alpha_variance: [f64; 2],
 }
 
+/// Initial state of a simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Start {
+    /// The state. A speed within its own error by noise is rest: started at a tiny speed, dry friction would act with a
+    /// sign that is noise.
+    pub state: State,
+    /// Mean square error of the speeds, by noise and by the shape of the motion [rad^2/s^2].
+    pub omega_square_error: [f64; 2],
+}
+
 impl LocalMotion {
-    /// Initial state of a simulation. A speed within its own error is rest: started at a tiny speed, dry friction would
-    /// act with a sign that is noise.
-    #[must_use]
-    pub(crate) fn start(&self) -> State {
-        let omega = [0, 1].map(|i| {
-            let w = self.omega[i];
-            if w * w < REST_ERRORS * REST_ERRORS * self.omega_variance[i] { 0.0 } else { w }
-        });
-        State { alpha: self.alpha, omega }
+    /// Initial state of a simulation, with the mean square error of the speeds of moving wheels by the shape of the motion.
+    pub(super) fn start(&self, curvature: [f64; 2]) -> Start {
+        let moving = |i: usize, value: f64| if self.moves(i) { value } else { 0.0 };
+        let omega = [0, 1].map(|i| moving(i, self.omega[i]));
+        let error = [0, 1].map(|i| self.omega_variance[i] + moving(i, curvature[i]));
+        Start { state: State { alpha: self.alpha, omega }, omega_square_error: error }
+    }
+
+    /// Whether the speed of wheel `i` is beyond its error by noise.
+    pub(super) fn moves(&self, i: usize) -> bool {
+        self.omega[i].powi(2) >= REST_ERRORS.powi(2) * self.omega_variance[i]
     }
 }
 
@@ -43,6 +55,8 @@ mod tests {
         // standard errors 0.1: 0.19 rad/s is below two of them, -0.21 rad/s above
         let (omega, omega_variance) = ([0.19, -0.21], [0.01; 2]);
         let motion = LocalMotion { alpha: [1.0, 2.0], omega, omega_variance, ..Default::default() };
-        assert_eq!(motion.start(), State { alpha: [1.0, 2.0], omega: [0.0, -0.21] });
+        let Start { state, omega_square_error } = motion.start([0.02; 2]);
+        assert_eq!(state, State { alpha: [1.0, 2.0], omega: [0.0, -0.21] });
+        assert_eq!(omega_square_error, [0.01, 0.03]);
     }
 }

@@ -7,6 +7,7 @@ use super::channels::{Channels, Measured, MostNoise, MotionNoise, Noise, Sensing
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::pieces;
+use super::local::Response;
 use super::{DriveUnit, LocalMotion, RecordingError};
 use crate::math::median_step;
 
@@ -47,6 +48,8 @@ pub struct Recording {
 pub(super) struct Kept {
     /// [`Recording::local_motion`].
     pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
+    /// [`Recording::response`], with the input of the first copy.
+    pub(super) response: OnceLock<Response>,
     /// [`Recording::motion_noise`].
     pub(super) motion_noise: OnceLock<MotionNoise>,
     /// `one_step::most_noise` with the input of the first copy for which it is computed.
@@ -225,6 +228,8 @@ impl Recording {
     #[must_use]
     pub fn with_torque(&self, torque: Vec<[f64; 2]>) -> Self {
         assert_eq!(torque.len(), self.len(), "one row of the input a sample");
+        // that of the recorded input, whichever copy asks first
+        self.response();
         Self { torque: torque.into(), kept_jumps: Arc::default(), ..self.clone() }
     }
 

@@ -63,6 +63,8 @@ pub(super) struct Agreement {
     high: f64,
     /// The widest that agrees with all narrower ones.
     agreed: Option<Fit>,
+    /// Those that agree, in ascending order.
+    widths: Widths,
     /// Whether all have agreed.
     pub(super) goes_on: bool,
 }
@@ -71,15 +73,16 @@ impl Agreement {
     /// Begins with the narrowest one, if there is any.
     pub(super) fn new(wheel: usize, narrowest: Option<Fit>) -> Self {
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut this = Self { wheel, low, high, agreed: narrowest, goes_on: true };
+        let widths = Widths::default();
+        let mut this = Self { wheel, low, high, agreed: narrowest, widths, goes_on: true };
         if let Some(fit) = &narrowest {
             this.meets(fit);
         }
         this
     }
 
-    /// Adds a wider one; none after the first that does not agree.
-    pub(super) fn see(&mut self, fits: &Fits) {
+    /// Adds a wider one, of `half` rows to either side; none after the first that does not agree.
+    pub(super) fn see(&mut self, fits: &Fits, half: usize) {
         if !self.goes_on {
             return;
         }
@@ -87,7 +90,13 @@ impl Agreement {
         self.goes_on = self.meets(&fit);
         if self.goes_on {
             self.agreed = Some(fit);
+            self.widths.push(half, &fit);
         }
+    }
+
+    /// See [`Widths::curvature`].
+    pub(super) fn curvature(&self) -> Option<f64> {
+        self.widths.curvature()
     }
 
     /// Intersects the common interval with that of a fit; whether the intersection is not empty.
@@ -103,5 +112,39 @@ impl Agreement {
         if let Some(fit) = self.agreed.filter(|_| !self.goes_on) {
             fit.write(self.wheel, out);
         }
+    }
+}
+
+/// Speeds from neighbourhoods of several widths that agree.
+#[derive(Default)]
+struct Widths {
+    /// Half width in rows, speed and its variance; the sequence of half widths has no more than eight.
+    all: [(f64, f64, f64); 8],
+    count: usize,
+}
+
+impl Widths {
+    fn push(&mut self, half: usize, fit: &Fit) {
+        if let Some(place) = self.all.get_mut(self.count) {
+            *place = (half as f64, fit.omega, fit.omega_variance);
+            self.count += 1;
+        }
+    }
+
+    /// Estimate of the square of the error of the widest by the shape of the motion, from the widest of at most half its
+    /// width; it may be negative by chance. `None` if there is none.
+    ///
+    /// ```text
+    /// b² = ((w_n - w_c)² - (v_n - v_c))/(1 - h_n/h_c)²
+    /// ```
+    /// An acceleration that steps in the neighbourhood causes an error in proportion to its half width h. The variance of
+    /// the difference is the difference of the variances, because the rows of the narrower one are part of the wider.
+    ///
+    /// Source: Hausman, Econometrica 46 (1978), of the variance.
+    fn curvature(&self) -> Option<f64> {
+        let (last, narrower) = self.all[..self.count].split_last()?;
+        let (half, omega, variance) = last;
+        let (h, w, v) = narrower.iter().rev().find(|(h, ..)| 2.0 * h <= *half)?;
+        Some(((w - omega).powi(2) - (v - variance)) / (1.0 - h / half).powi(2))
     }
 }

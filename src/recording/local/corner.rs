@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use nalgebra::Vector4;
 
+use super::source::Source;
 use crate::math::{FewCoefficients, NormalEquations, mean};
-use crate::recording::Recording;
 
 /// Number of standard errors within which two neighbourhoods agree.
 pub(super) const AGREE: f64 = 2.0;
@@ -37,24 +37,24 @@ pub(super) struct Corner {
 }
 
 impl Corner {
-    fn of(recording: &Recording, piece: &Range<usize>, k: usize, wheel: usize) -> Option<Self> {
+    fn of(source: &Source, piece: &Range<usize>, k: usize, wheel: usize) -> Option<Self> {
         let rows = around(piece, k, SIDE);
         if rows.len() <= 2 * SIDE {
             return None;
         }
-        let (t, alpha) = (recording.t(), recording.alpha());
+        let (t, alpha) = (source.recording.t(), |n: usize| source.alpha(n)[wheel]);
         let step = t[k + 1] - t[k];
         let at = |n: usize| {
             let tau = (t[n] - t[k]) / step;
             let row = Vector4::new(1.0, tau, 0.5 * tau * tau, 0.5 * tau * tau.abs());
-            (row, alpha[n][wheel] - alpha[k][wheel])
+            (row, alpha(n) - alpha(k))
         };
         let FewCoefficients { values: c, covariance, .. } =
             NormalEquations::of(rows.clone().map(at)).solve()?;
         // computed from the rows: the sums would lose too many digits
         let residual = rows.map(at).map(|(row, moved)| (moved - row.dot(&c)).powi(2)).sum();
         Some(Self {
-            alpha: alpha[k][wheel] + c[0],
+            alpha: alpha(k) + c[0],
             omega: c[1] / step,
             variance: [covariance[(0, 0)], covariance[(1, 1)] / (step * step)],
             residual,
@@ -77,14 +77,14 @@ pub(super) struct Corners {
 impl Corners {
     /// Corners of a wheel at `rows` of a piece, and those around them from which the roughness is estimated.
     pub(super) fn of(
-        recording: &Recording,
+        source: &Source,
         piece: &Range<usize>,
         rows: Range<usize>,
         wheel: usize,
     ) -> Self {
         let first = rows.start.saturating_sub(SIDE).max(piece.start);
         let last = (rows.end + SIDE).min(piece.end);
-        let rows = (first..last).map(|k| Corner::of(recording, piece, k, wheel)).collect();
+        let rows = (first..last).map(|k| Corner::of(source, piece, k, wheel)).collect();
         Self { first, rows }
     }
 

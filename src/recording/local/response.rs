@@ -1,0 +1,274 @@
+//! How the speeds follow changes of the recorded input within a neighbourhood, for the initial states of simulations.
+
+use std::ops::Range;
+
+use nalgebra::{Matrix2, Vector2};
+use wide::f64x2;
+
+use super::corner::around;
+use super::source::Source;
+use super::{Neighbourhoods, Parabolas};
+use crate::math::mean;
+use crate::recording::motion::Start;
+use crate::recording::{LocalMotion, Recording};
+
+/// Rows from which the response is estimated (cost: five neighbourhoods each).
+const ROWS: usize = 500;
+/// Rows to either side that corners of the angles need.
+const CORNERS: usize = 4;
+
+/// How the speeds of a recording follow changes of its input within a neighbourhood.
+#[derive(Clone, Debug)]
+pub(in crate::recording) struct Response {
+    neighbourhoods: Neighbourhoods,
+    /// Acceleration of each wheel by the input of each wheel [rad/s² per unit of the input].
+    gain: [[f64; 2]; 2],
+    /// When the input of a row acts.
+    acts: Acts,
+    /// Mean square error of the speeds by what is left of the shape of the motion [rad^2/s^2].
+    curvature: [f64; 2],
+}
+
+/// When the input of a row acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Acts {
+    /// Linearly between the rows.
+    #[default]
+    Between,
+    /// From the row to the next one.
+    After,
+    /// From the row before to this one.
+    Before,
+}
+
+impl Acts {
+    const ALL: [Self; 3] = [Self::Between, Self::After, Self::Before];
+
+    /// Mean input between row `n` and the next one.
+    fn mean(self, m: &[[f64; 2]], n: usize, i: usize) -> f64 {
+        match self {
+            Self::Between => 0.5 * (m[n][i] + m[n + 1][i]),
+            Self::After => m[n][i],
+            Self::Before => m[n + 1][i],
+        }
+    }
+}
+
+impl Recording {
+    /// Initial state of a simulation from row `k`, with the mean square error of its speeds.
+    ///
+    /// The [`Recording::local_motion`] beside the part that changes of the input cause: a parabola through rows between
+    /// which the input steps has an error far above that of the noise, and an error of the start grows in a robot whose
+    /// centre of mass is behind the axle.
+    ///
+    /// ```text
+    /// ω - G ∫M dt,  α - G ∬M dt:  parabolas as of the local motion, ∫ from row k
+    /// ```
+    /// G, by wheels, makes a neighbourhood of half the width agree best with the widest one, least squares over at most
+    /// 500 rows; it is zero where noise causes the larger part of the error of the local motion. What is left of the
+    /// disagreement is part of the error, see [`Agreement::curvature`](super::agreement::Agreement::curvature).
+    #[must_use]
+    pub fn start_at(&self, k: usize) -> Start {
+        let Some(piece) = self.piece_of(k) else { return Start::default() };
+        let Response { neighbourhoods, curvature, .. } = self.response();
+        let source = self.response().source(self, piece, k);
+        let mut out = [LocalMotion::default()];
+        neighbourhoods.parabolas(&source, piece, k..k + 1, &mut out);
+        out[0].start(*curvature)
+    }
+
+    /// The response of the speeds to the input, computed once; copies of the recording with another input share it.
+    pub(in crate::recording) fn response(&self) -> &Response {
+        self.kept().response.get_or_init(|| Response::of(self))
+    }
+}
+
+impl Response {
+    fn of(recording: &Recording) -> Self {
+        let neighbourhoods = Neighbourhoods::of(recording);
+        let (gain, acts, curvature) = ([[0.0; 2]; 2], Acts::default(), [0.0; 2]);
+        let none = Self { neighbourhoods, gain, acts, curvature };
+        let rows = rows_of(recording);
+        let [bare, noise] = none.left(recording, &rows);
+        let exceeds = [0, 1].map(|i| bare[i] > noise[i]);
+        if !exceeds.iter().any(|exceeds| *exceeds) {
+            return Self { curvature: bare, ..none };
+        }
+        let fits =
+            Acts::ALL.map(|acts| (acts, Fit::of(recording, &none.neighbourhoods, &rows, acts)));
+        let left = |fit: &[Fit; 2]| fit.iter().map(|fit| fit.left / fit.all).sum::<f64>();
+        let Some((acts, fit)) = fits.into_iter().min_by(|a, b| left(&a.1).total_cmp(&left(&b.1)))
+        else {
+            return none;
+        };
+        let gain = [0, 1].map(|i| if exceeds[i] { fit[i].gain } else { [0.0; 2] });
+        let found = Self { gain, acts, ..none };
+        let [curvature, _] = found.left(recording, &rows);
+        Self { curvature, ..found }
+    }
+
+    /// Angles and speeds around row `k` without what changes of the input cause.
+    fn source<'a>(&self, recording: &'a Recording, piece: &Range<usize>, k: usize) -> Source<'a> {
+        if self.gain == [[0.0; 2]; 2] {
+            return Source::measured(recording);
+        }
+        let rows = self.neighbourhoods.reach(piece, k);
+        let [alpha, omega] = integrals(recording, &rows, k, self.acts);
+        let of = |measured: &[[f64; 2]], by_input: Vec<[f64; 2]>| {
+            let pairs = measured[rows.clone()].iter().zip(by_input);
+            let beside = |(x, m): (&[f64; 2], [f64; 2])| {
+                [0, 1].map(|i| x[i] - self.gain[i][0] * m[0] - self.gain[i][1] * m[1])
+            };
+            pairs.map(beside).collect()
+        };
+        let (alpha, omega) = (of(recording.alpha(), alpha), of(recording.omega(), omega));
+        Source::other(recording, rows.start, alpha, omega)
+    }
+
+    /// Mean square error of the speeds in `rows` in which a wheel moves, by the shape of the motion and by noise
+    /// [rad^2/s^2].
+    fn left(&self, recording: &Recording, rows: &[usize]) -> [[f64; 2]; 2] {
+        let (mut shape, mut noise) = ([vec![], vec![]], [vec![], vec![]]);
+        for &k in rows {
+            let Some(piece) = recording.piece_of(k) else { continue };
+            let source = self.source(recording, piece, k);
+            let mut out = LocalMotion::default();
+            let parabolas = Parabolas::new(&source, k, &self.neighbourhoods.weights);
+            let curvature = self.neighbourhoods.parabola(piece, parabolas, [None; 2], &mut out);
+            for i in (0..2).filter(|&i| out.moves(i)) {
+                shape[i].extend(curvature[i]);
+                noise[i].push(out.omega_variance[i]);
+            }
+        }
+        // the mean of no rows is not a number, and the estimate may be negative by chance
+        let positive = |values: [Vec<f64>; 2]| values.map(|v| mean(v.into_iter()).max(0.0));
+        [positive(shape), positive(noise)]
+    }
+}
+
+/// Rows of a recording, evenly distributed, at most [`ROWS`].
+fn rows_of(recording: &Recording) -> Vec<usize> {
+    (0..recording.len()).step_by(recording.len().div_ceil(ROWS).max(1)).collect()
+}
+
+impl Neighbourhoods {
+    /// Rows around `k` that its parabolas need.
+    fn reach(&self, piece: &Range<usize>, k: usize) -> Range<usize> {
+        around(piece, k, self.widest.max(CORNERS))
+    }
+}
+
+/// Double and single integral of the input over `rows`, both zero at row `k`, of each wheel.
+fn integrals(
+    recording: &Recording,
+    rows: &Range<usize>,
+    k: usize,
+    acts: Acts,
+) -> [Vec<[f64; 2]>; 2] {
+    let (t, m) = (recording.t(), recording.torque());
+    let count = rows.len();
+    let (mut double, mut single) = (vec![[0.0; 2]; count], vec![[0.0; 2]; count]);
+    let at = k - rows.start;
+    for i in 0..2 {
+        for n in at + 1..count {
+            let (h, mean) =
+                (t[rows.start + n] - t[rows.start + n - 1], acts.mean(m, rows.start + n - 1, i));
+            single[n][i] = single[n - 1][i] + h * mean;
+            double[n][i] = double[n - 1][i] + h * (single[n - 1][i] + 0.5 * h * mean);
+        }
+        for n in (0..at).rev() {
+            let (h, mean) =
+                (t[rows.start + n + 1] - t[rows.start + n], acts.mean(m, rows.start + n, i));
+            single[n][i] = single[n + 1][i] - h * mean;
+            double[n][i] = double[n + 1][i] - h * (single[n + 1][i] - 0.5 * h * mean);
+        }
+    }
+    [double, single]
+}
+
+/// Least squares of the disagreement of two neighbourhoods in terms of that of the integrals of the input.
+#[derive(Default)]
+struct Fit {
+    gain: [f64; 2],
+    /// Sums of the squares of the disagreement, of what is left and of all.
+    left: f64,
+    all: f64,
+}
+
+impl Fit {
+    fn of(
+        recording: &Recording,
+        neighbourhoods: &Neighbourhoods,
+        rows: &[usize],
+        acts: Acts,
+    ) -> [Self; 2] {
+        let Neighbourhoods { narrower, widest, weights, .. } = neighbourhoods;
+        let Some(&half) = narrower.iter().rev().find(|half| 2 * **half <= *widest) else {
+            return Default::default();
+        };
+        let mut sums = [Sums::default(), Sums::default()];
+        let measured = Source::measured(recording);
+        for &k in rows {
+            let Some(piece) = recording.piece_of(k) else { continue };
+            let apart = |source: &Source, weights: &[f64x2; 2]| {
+                let mut parabolas = Parabolas::new(source, k, weights);
+                let [narrow, wide] = [half, *widest].map(|half| {
+                    parabolas.widen(around(piece, k, half));
+                    parabolas.fit()
+                });
+                [0, 1].map(|i| narrow.omega[i] - wide.omega[i])
+            };
+            let of_speeds = apart(&measured, weights);
+            let rows = neighbourhoods.reach(piece, k);
+            let [double, single] = integrals(recording, &rows, k, acts);
+            let by_input = Source::other(recording, rows.start, double, single);
+            for (i, sums) in sums.iter_mut().enumerate() {
+                // both inputs weighted as the speeds of this wheel
+                let own = weights.map(|w| f64x2::splat(w.to_array()[i]));
+                sums.add(of_speeds[i], apart(&by_input, &own));
+            }
+        }
+        [0, 1].map(|i| sums[i].fit(i))
+    }
+}
+
+/// Normal equations of a wheel.
+#[derive(Default)]
+struct Sums {
+    matrix: Matrix2<f64>,
+    vector: Vector2<f64>,
+    square: f64,
+}
+
+impl Sums {
+    fn add(&mut self, apart: f64, by_input: [f64; 2]) {
+        let row = Vector2::from(by_input);
+        if apart.is_finite() && row.iter().all(|v| v.is_finite()) {
+            self.matrix += row * row.transpose();
+            self.vector += row * apart;
+            self.square += apart * apart;
+        }
+    }
+
+    /// The solution for wheel `i`; with its own input alone where both inputs are the same, and zero without one.
+    fn fit(&self, i: usize) -> Fit {
+        let [m, v] = [self.matrix[(i, i)], self.vector[i]];
+        let both = self.matrix.cholesky().map(|c| c.solve(&self.vector));
+        let alike = self.matrix.determinant() <= ALIKE * self.matrix.diagonal().product();
+        let gain = match both.filter(|_| !alike) {
+            Some(gain) => [gain[0], gain[1]],
+            None if m > 0.0 => [0, 1].map(|j| if j == i { v / m } else { 0.0 }),
+            None => [0.0; 2],
+        };
+        let explained = self.vector.dot(&Vector2::from(gain));
+        Fit {
+            gain,
+            left: (self.square - explained).max(0.0),
+            all: self.square.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Determinant of the normal equations, as a share of the product of their diagonal, below which both inputs are the same
+/// (precision of their solution).
+const ALIKE: f64 = 1e-6;
