@@ -68,7 +68,8 @@ impl WindowFit {
 /// covariance (m - 1)/m Σ_b δ_b δ_b',   δ_b = (H - H_b)⁻¹ g_b: change of the fit without window b of m, by one step
 /// ```
 /// A few windows, those with a stop or a reversal, determine the friction: the sandwich of the scores, which are
-/// smaller in the windows that decide, is too small.
+/// smaller in the windows that decide, is too small. A shift of the input is known to lie within its limits, with the
+/// variance of an even distribution: recordings that hardly show it would otherwise leave every parameter unknown.
 ///
 /// Source of the covariance: Bell and McCaffrey, Survey Methodology 28 (2002), the jackknife by clusters.
 #[must_use]
@@ -119,7 +120,13 @@ pub(super) fn fit_within(
     minimum.cost.is_finite().then_some(())?;
     let p = place(&minimum.x);
     let (cost, sums) = lowest;
-    let covariance = among_all(model, &covariance(&sums));
+    let mut covariance = covariance(&sums);
+    for (n, &j) in free.iter().enumerate() {
+        if model.parameters()[j].spec.symbol == SYMBOL {
+            know(&mut covariance, n, (upper[n] - lower[n]).powi(2) / 12.0);
+        }
+    }
+    let covariance = among_all(model, &covariance);
     let edge = |n: usize| minimum.x[n] <= lower[n] || minimum.x[n] >= upper[n];
     let mut at_bound = vec![false; p.len()];
     free.iter().enumerate().for_each(|(n, &j)| at_bound[j] = edge(n));
@@ -203,6 +210,20 @@ fn by_time(information: &DMatrix<f64>, n: usize, late: f64) -> DVector<f64> {
     moved.insert_row(n, late)
 }
 
+/// Covariance with what is known of parameter `n` beforehand, of variance `known`, as of another measurement of it.
+///
+/// ```text
+/// C - c c'/(C_nn + known),   c: column n of C
+/// ```
+fn know(covariance: &mut DMatrix<f64>, n: usize, known: f64) {
+    let column = covariance.column(n).into_owned();
+    if column.iter().all(|v| v.is_finite()) {
+        *covariance -= &column * column.transpose() / (column[n] + known);
+    } else {
+        covariance[(n, n)] = covariance[(n, n)].min(known);
+    }
+}
+
 /// Covariance of the free parameters from the sums of the windows over them; infinite where fewer windows than
 /// parameters, or a single window, determine a parameter.
 fn covariance(sums: &[Sums]) -> DMatrix<f64> {
@@ -258,7 +279,20 @@ mod tests {
             score: DVector::from_vec(vec![0.1 * a, 0.1 * b]),
             information: DMatrix::from_diagonal(&DVector::from_vec(vec![a, b])),
         };
-        let covariance = covariance(&[window(1.0, 0.0), window(1.0, 0.0), window(1.0, 1.0)]);
+        let windows = [window(1.0, 0.0), window(1.0, 0.0), window(1.0, 1.0)];
+        let covariance = covariance(&windows);
         assert!(covariance[(0, 0)].is_finite() && covariance[(1, 1)].is_infinite());
+    }
+    #[test]
+    fn what_is_known_of_a_parameter_bounds_those_that_correlate_with_it() {
+        // the inverse of C⁻¹ + diag(0, 1/0.09)
+        let covariance = DMatrix::from_row_slice(2, 2, &[2.0, 1.5, 1.5, 1.8]);
+        let mut found = covariance.clone();
+        know(&mut found, 1, 0.09);
+        let mut inverse = covariance.try_inverse().unwrap();
+        inverse[(1, 1)] += 1.0 / 0.09;
+        let expected = inverse.try_inverse().unwrap();
+        assert!((&found - &expected).norm() < 1e-12, "{found} {expected}");
+        assert!(found[(1, 1)] < 0.09 && found[(0, 0)] < 1.0);
     }
 }
