@@ -13,7 +13,7 @@ use self::effects::{found, judged, lowered, named, unproven};
 use crate::diagnose::Difference;
 use crate::report::format::{in_text, percent};
 use crate::report::words::simulation_error_over;
-use crate::study::{DiagnosisStudy, MethodAtFloor, Verdict, Withheld};
+use crate::study::{DiagnosisStudy, FAR_BELOW_FLOOR, MethodAtFloor, Verdict, Withheld};
 
 pub(crate) use self::effects::title;
 pub(super) use self::error::caused;
@@ -117,6 +117,9 @@ fn sufficient(stated: &DiagnosisStudy, error: String) -> Vec<String> {
             reason(*why)
         );
         return vec![text("Nothing is proven to be missing."), error, with];
+    }
+    if stated.errors.ratio() < FAR_BELOW_FLOOR {
+        return vec![not_proven + ".", error];
     }
     if !stated.errors.above_floor() {
         return vec![nothing(), error];

@@ -69,7 +69,7 @@ impl<'a> Concluded<'a> {
             .or_else(|| unrelated(diagnosis, (&judge, basis.hold), &errors, basis.train));
         let left = judge.left_by(diagnosis, &likelihood, !basis.validation.is_empty())?;
         let depends_on = left.structure.map(|dependence| dependence.variable);
-        let likely = likely_effect(diagnosis, &judge, &errors);
+        let likely = likely_effect(diagnosis, &judge, &bounded(diagnosis, &judge, errors));
         let leaves = likely.and_then(|ranked| leaves(ranked, diagnosis.validated, &judge, &errors));
         let all: Vec<&Recording> = basis.train.iter().chain(basis.validation).collect();
         let differs = difference(diagnosis.last(), &all, basis.hold);
@@ -228,6 +228,17 @@ impl<'a> Concluded<'a> {
             longest_s: judged.iter().map(|r| r.duration()).fold(0.0, f64::max),
         }
     }
+}
+
+/// The errors with a noise floor that the best candidate does not refute: no correct model has a larger error than a
+/// fitted one on recordings that neither was fitted to. Where the input jumps from row to row, the floor is an upper bound
+/// far above it.
+fn bounded(diagnosis: &Diagnosis, judge: &Judge, errors: Errors) -> Errors {
+    let best = diagnosis.rest.first().and_then(|r| r.refit.as_ref());
+    let held_out = best.filter(|_| diagnosis.validated);
+    let judged = held_out.and_then(|fit| judge.judge(&fit.model, &fit.p).ok());
+    let least = judged.map_or(f64::INFINITY, |with| with.window_rms.powi(2));
+    Errors { floor: errors.floor.min(least), ..errors }
 }
 
 /// The effect that is likely although it is not proven. One that does not act in the judged recordings lowers their error

@@ -24,7 +24,8 @@ pub(super) fn propose(
     let peak = |rows: &[[f64; 2]]| rows.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
     let limits = Limits {
         speed: largest(&|r| peak(r.omega())),
-        torque: 1.2 * largest(&|r| peak(r.torque())),
+        // the drive has reached it; whether it can do more is not recorded
+        torque: largest(&|r| peak(r.torque())),
         floor: FLOOR,
         duration: DURATION,
     };
