@@ -30,16 +30,20 @@ pub fn recommendation(diagnosis: &DiagnosisStudy) -> Option<String> {
         match probability < POWER {
             true => format!(
                 "No manoeuvre of {duration:.0} s that was tried distinguishes them; the best, in {files}, identifies the \
-                 right effect with a probability of {shown} only."
+                 right effect with a probability of {shown} only. {TWICE}"
             ),
             false => format!(
                 "A suitable manoeuvre of {duration:.0} s is in {files}; one run of it identifies the right effect with a \
-                 probability of {shown}."
+                 probability of {shown}. {TWICE}"
             ),
         }
     }));
     (!sentences.is_empty()).then(|| sentences.join(" "))
 }
+
+/// An effect is accepted if it lowers the error on recordings that nothing was fitted to.
+const TWICE: &str = "Drive it twice, once for `train` and once for `validation`: an effect is proven on recordings that \
+                     were not fitted.";
 
 fn words(advice: &Advice) -> String {
     match advice {

@@ -201,9 +201,9 @@ impl fmt::Display for Note {
                 let values: Vec<_> = values.iter().map(|(s, v)| format!("{s} = {}", digits(*v, 4))).collect();
                 write!(
                     f,
-                    "The error of the model is above the noise of the channels, and torque_regression gives {}: the \
-                     intervals are wide enough for both. An effect is missing, or the noise of the input is \
-                     correlated from row to row.",
+                    "The error of the filter is above the noise of the channels, and torque_regression gives {}: the \
+                     intervals are wide enough for both. A missing effect can cause this, and so can noise of the input \
+                     that is correlated from row to row.",
                     values.join(", ")
                 )
             }
