@@ -118,6 +118,13 @@ pub enum Kind<C = usize, R = f64> {
         /// The first of them.
         first: C,
     },
+    /// Rows in which both speeds are half of those around them; left out.
+    HalfInterval {
+        /// How many rows.
+        rows: C,
+        /// The first of them.
+        first: C,
+    },
     /// An angle that wraps at so many radians.
     Wrapped {
         /// Angle after which it begins again \[rad\].
@@ -188,6 +195,15 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// Isolated wrong samples.
     Spikes {
+        /// How many.
+        count: C,
+        /// The first of them.
+        first: C,
+        /// The largest one, from the line between its neighbours.
+        largest: R,
+    },
+    /// Wrong speeds in the first rows of a start; left out.
+    Onset {
         /// How many.
         count: C,
         /// The first of them.
@@ -301,6 +317,16 @@ pub enum Kind<C = usize, R = f64> {
 }
 
 impl Kind {
+    /// Wrong samples by row and deviation, if there are any.
+    pub(in crate::conditioning) fn spikes(
+        mut found: impl ExactSizeIterator<Item = (usize, f64)>,
+    ) -> Option<Self> {
+        let count = found.len();
+        let (row, out) = found.next()?;
+        let largest = found.fold(out, |a, (_, x)| if x.abs() > a.abs() { x } else { a });
+        Some(Self::Spikes { count, first: row + 1, largest })
+    }
+
     /// Name, value and unit in `results.json`.
     pub(crate) fn parts(&self) -> (&'static str, f64, &'static str) {
         match *self {
@@ -321,9 +347,11 @@ impl Kind {
             Self::Frozen { rows, .. } => ("frozen", rows as f64, "rows"),
             Self::Dead { rows, .. } => ("dead", rows as f64, "rows"),
             Self::Stale { rows, .. } => ("stale", rows as f64, "rows"),
+            Self::HalfInterval { rows, .. } => ("half_interval", rows as f64, "rows"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),
+            Self::Onset { count, .. } => ("onset", count as f64, "samples"),
             Self::Unit { factor, .. } => ("unit", factor, "1"),
             Self::Gear { ratio } => ("gear", ratio, "1"),
             Self::Gain { ratio, .. } => ("gain", ratio, "1"),

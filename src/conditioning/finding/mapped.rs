@@ -45,6 +45,9 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
                 or_blocked,
             },
             Self::Stale { rows, first } => Kind::Stale { rows: whole(rows), first: whole(first) },
+            Self::HalfInterval { rows, first } => {
+                Kind::HalfInterval { rows: whole(rows), first: whole(first) }
+            }
             Self::Wrapped { period_rad, turns } => {
                 Kind::Wrapped { period_rad: real(period_rad), turns: whole(turns) }
             }
@@ -76,6 +79,9 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             }
             Self::Spikes { count, first, largest } => {
                 Kind::Spikes { count: whole(count), first: whole(first), largest: real(largest) }
+            }
+            Self::Onset { count, first, largest } => {
+                Kind::Onset { count: whole(count), first: whole(first), largest: real(largest) }
             }
             Self::Unit { factor, unit } => Kind::Unit { factor: real(factor), unit },
             Self::Gear { ratio } => Kind::Gear { ratio: real(ratio) },
