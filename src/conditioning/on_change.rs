@@ -147,11 +147,11 @@ mod tests {
         // ten rows per second to a millisecond, and none while nothing changes; a speed that stays for three rows
         let t: Vec<f64> = [0.0, 5.663, 6.365]
             .into_iter()
-            .chain((0..18).map(|k| 6.465 + 0.1 * f64::from(k) + 1e-3 * f64::from(k * 7 % 3)))
+            .chain((0..18).map(|k| 6.465 + 0.1 * f64::from(k) + if k == 10 { 1e-3 } else { 0.0 }))
             .collect();
         let moving = |k: usize| if k < 3 { 0.0 } else { t[k] - 6.4 };
         let written = |k: usize| k == 0 || k > 2 && ![11, 12, 14, 15, 17].contains(&k);
-        let speed = |k: usize| 20.0 * (1.0 - (-moving(k) / 0.4).exp());
+        let speed = |k: usize| (40.0 * (1.0 - (-moving(k) / 0.4).exp())).round() / 2.0;
         let cell = |value: f64, is: bool| if is { value } else { f64::NAN };
         let rows = 0..t.len();
         let alpha = rows.clone().map(|k| [cell(8.0 * moving(k).powi(2), k == 0 || k > 2); 2]);
