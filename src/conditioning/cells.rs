@@ -30,7 +30,7 @@ pub(super) fn put(c: &mut Channels, channel: Channel, values: &[f64]) {
         Channel::Angle(i) => (c.alpha.as_mut(), i),
         Channel::Speed(i) => (c.omega.as_mut(), i),
         Channel::Input(i) => (Some(&mut c.torque), i),
-        Channel::Time | Channel::Sensors => return,
+        Channel::Time | Channel::Sensors | Channel::Factor(_) => return,
     };
     rows.into_iter().flatten().zip(values).for_each(|(row, value)| row[i] = *value);
 }

@@ -25,7 +25,11 @@ pub(super) fn far_out(t: &[f64], values: &[f64]) -> Vec<Spike> {
     let most = (SAMPLES.marks * values.len() as f64) as usize;
     let is_gap = |k: &usize| sizes[*k] > 0.0 && sizes[k - 1] > SAMPLES.mark * sizes[*k];
     let Some(others) = (1..most).rev().find(is_gap).map(|k| sizes[k]) else { return vec![] };
-    let is_far = |k: usize| values[k].abs() > others;
+    short_runs(t, values, |k| values[k].abs() > others)
+}
+
+/// The wrong samples with the line between their neighbours, if no more of them than two follow each other.
+pub(super) fn short_runs(t: &[f64], values: &[f64], is_far: impl Fn(usize) -> bool) -> Vec<Spike> {
     let mut out: Vec<Spike> = vec![];
     let mut k = 0;
     while k < values.len() {

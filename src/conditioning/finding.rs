@@ -21,6 +21,8 @@ pub enum Channel {
     Speed(usize),
     /// Input of a wheel.
     Input(usize),
+    /// The column by which the input of a wheel is multiplied.
+    Factor(usize),
     /// Both wheels' angles and speeds.
     Sensors,
 }
@@ -34,6 +36,7 @@ impl Channel {
             Self::Angle(i) => format!("alpha{}", i + 1),
             Self::Speed(i) => format!("dalpha{}", i + 1),
             Self::Input(i) => format!("M{}", i + 1),
+            Self::Factor(i) => format!("M{}.times", i + 1),
             Self::Sensors => "sensors".into(),
         }
     }

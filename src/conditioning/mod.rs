@@ -6,8 +6,8 @@
 //!            | of a coarse clock | stamped in batches | whose stamps scatter
 //! columns    written on change | slower than the rows | at rates of their own | read in turn
 //! angles     wrapped at a turn or a power of two of counts | reset
-//! samples    late in a row that repeats the last one
-//! channels   isolated wrong samples
+//! samples    late in a row that repeats the last one | of half an interval
+//! channels   wrong samples at a start | isolated wrong samples
 //! speeds     kept at rest | counts of an encoder | in another unit | of another sign | late | computed from the angles
 //! input      sampled more slowly than the sensors | against the motion | of a few levels
 //!            | a magnitude without sign | not zero at rest
@@ -24,15 +24,18 @@ mod counterpart;
 mod counts;
 mod dead;
 mod error;
+mod factor;
 mod far_out;
 mod finding;
 mod frozen;
+mod half_interval;
 mod held_input;
 mod input;
 mod jitter;
 mod lost;
 mod magnitude;
 mod on_change;
+mod onset;
 mod rates;
 mod rows;
 mod sensors;
@@ -48,6 +51,7 @@ pub use align::{SlowPair, common_slow_pair};
 pub use counts::{Encoder, Encoders, common_encoders};
 pub(crate) use dead::DEAD_S;
 pub use error::ConditioningError;
+pub use factor::repair_factors;
 pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
 pub use lost::held_over_lost_rows;
 pub use settings::Settings;
@@ -129,8 +133,10 @@ pub fn condition(
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
     stale::rows(&mut work, settings);
+    half_interval::rows(&mut work, settings);
     // the first value after a rest may look like an outlier among faster ones
     frozen::rows(&mut work, settings);
+    onset::rows(&mut work, settings);
     spikes::sensors(&mut work, settings);
     wheels::exchanged_sensors(&mut work, settings);
     counterpart::units_and_signs(&mut work, settings, context);

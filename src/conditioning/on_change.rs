@@ -4,7 +4,7 @@
 //! ```text
 //! values          successive ones differ, since equal ones are not written
 //! motion          most values are in successive rows: the column has no slower rate of its own
-//! rest            most empty cells are in long stretches; behind one the value goes on from that before it,
+//! rest            most of the time without a value is in long stretches; behind one the value goes on from that before it,
 //!                 as after lost samples of a moving wheel it does not
 //! ```
 
@@ -70,8 +70,10 @@ fn is_written_on_change(channel: Channel, t: &[f64], values: &[f64]) -> bool {
     let usual = median_high(near.iter().map(|[a, b]| t[*b] - t[*a]));
     let is_long = |[a, b]: &&[usize; 2]| b - a > 1 && t[*b] - t[*a] > IMPORT.unchanged_rows * usual;
     let long: Vec<&[usize; 2]> = steps.iter().filter(is_long).collect();
-    let empty: usize = steps.iter().map(|[a, b]| b - a - 1).sum();
-    let rest: usize = long.iter().map(|[a, b]| b - a - 1).sum();
+    // of a robot at rest the logger writes few rows
+    let without = |[a, b]: &[usize; 2]| if b - a > 1 { t[*b] - t[*a] - usual } else { 0.0 };
+    let empty: f64 = steps.iter().map(without).sum();
+    let rest: f64 = long.iter().map(|step| without(step)).sum();
     let most = near.iter().map(|[a, b]| (values[*b] - values[*a]).abs()).fold(0.0, f64::max);
     let top = values.iter().filter(|v| !v.is_nan()).fold(0.0, |top: f64, v| top.max(v.abs()));
     // a counter that is set to zero does not go on
@@ -82,7 +84,7 @@ fn is_written_on_change(channel: Channel, t: &[f64], values: &[f64]) -> bool {
         Channel::Speed(_) => goes_on(step) && values[step[0]].abs() <= TIMES.rests_below * top,
         _ => false,
     };
-    2 * rest > empty && long.iter().all(|step| rests(step))
+    2.0 * rest > empty && long.iter().all(|step| rests(step))
 }
 
 #[cfg(test)]
@@ -138,6 +140,34 @@ mod tests {
         assert_eq!(done.channels.t.len(), 250, "{:?}", done.findings);
         let pairs = done.channels.alpha.iter().flatten().zip(whole.alpha.iter().flatten());
         assert!(pairs.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).all(|d| d.abs() < 1e-12));
+    }
+
+    #[test]
+    fn few_rows_at_rest_and_speeds_that_repeat_at_stamps_that_scatter_are_written_on_change() {
+        // ten rows per second to a millisecond, and none while nothing changes; a speed that stays for three rows
+        let t: Vec<f64> = [0.0, 5.663, 6.365]
+            .into_iter()
+            .chain((0..18).map(|k| 6.465 + 0.1 * f64::from(k) + if k == 10 { 1e-3 } else { 0.0 }))
+            .collect();
+        let moving = |k: usize| if k < 3 { 0.0 } else { t[k] - 6.4 };
+        let written = |k: usize| k == 0 || k > 2 && ![11, 12, 14, 15, 17].contains(&k);
+        let speed = |k: usize| (40.0 * (1.0 - (-moving(k) / 0.4).exp())).round() / 2.0;
+        let cell = |value: f64, is: bool| if is { value } else { f64::NAN };
+        let rows = 0..t.len();
+        let alpha = rows.clone().map(|k| [cell(8.0 * moving(k).powi(2), k == 0 || k > 2); 2]);
+        let omega = rows.clone().map(|k| [cell(speed(k), written(k)); 2]);
+        let torque = rows.map(|k| [if k < 2 { 0.0 } else { 3.0 + 0.01 * k as f64 }; 2]);
+        let channels = Channels {
+            alpha: Some(alpha.collect()),
+            omega: Some(omega.collect()),
+            torque: torque.collect(),
+            t: t.clone(),
+        };
+        let done = done(channels);
+        assert!(is_held(&done), "{:?}", done.findings);
+        assert_eq!(done.channels.t.len(), t.len());
+        // three rows later by 301 ms
+        assert!(t[13] - t[10] > 0.3);
     }
 
     #[test]

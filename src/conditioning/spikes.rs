@@ -84,10 +84,7 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings, context: &Cont
 }
 
 fn correct(work: &mut Conditioned, settings: &Settings, channel: Channel, found: &[Spike]) {
-    let Some(first) = found.first().map(|s| s.rows.start + 1) else { return };
-    let largest =
-        found.iter().map(|s| s.out).fold(0.0, |a: f64, x| if x.abs() > a.abs() { x } else { a });
-    let kind = Kind::Spikes { count: found.len(), first, largest };
+    let Some(kind) = Kind::spikes(found.iter().map(|s| (s.rows.start, s.out))) else { return };
     work.findings.push(Finding::corrected(channel, kind, "spikes", settings.spikes));
     if !settings.spikes {
         return;
@@ -96,7 +93,7 @@ fn correct(work: &mut Conditioned, settings: &Settings, channel: Channel, found:
         Channel::Angle(i) => (work.channels.alpha.as_mut(), i),
         Channel::Speed(i) => (work.channels.omega.as_mut(), i),
         Channel::Input(i) => (Some(&mut work.channels.torque), i),
-        Channel::Time | Channel::Sensors => return,
+        Channel::Time | Channel::Sensors | Channel::Factor(_) => return,
     };
     let Some(rows) = rows else { return };
     for spike in found {
@@ -128,7 +125,7 @@ fn of_angle(t: &[f64], mut values: Vec<f64>, samples: &[usize]) -> Vec<Spike> {
 }
 
 /// The wrong samples of a channel that is new in the rows `samples`.
-fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
+pub(super) fn spikes(t: &[f64], values: &[f64], samples: &[usize]) -> Vec<Spike> {
     let pieces = pieces(t);
     let piece = |k: usize| pieces.partition_point(|p| p.end <= k);
     let out: Vec<f64> = samples

@@ -76,10 +76,11 @@ pub struct ImportThresholds {
     /// Part of its full scale by which a command at its limit may differ from it: one of ten bits.
     pub full_scale: f64,
     /// Part of the successive values of a column that may be equal although a cell is written only when the value changes:
-    /// a program sets a counter to zero where it is zero, and writes it (judgement).
+    /// a coarse value that changes and returns between two rows is written, and so is a counter that a program sets to zero
+    /// where it is zero (judgement; 0.29 in a recording of ten rows per second).
     pub unchanged_written: f64,
     /// Time without a value, in steps between successive ones, from which on a column rests: a coarse sensor of a slow
-    /// wheel changes every second or third row (judgement).
+    /// wheel changes every second or third row, and stamps scatter (judgement).
     pub unchanged_rows: f64,
 }
 
@@ -94,6 +95,6 @@ pub const IMPORT: ImportThresholds = ImportThresholds {
     delay_errors: 3.0,
     sampled_smoothing: 0.25,
     full_scale: 0.001,
-    unchanged_written: 0.1,
-    unchanged_rows: 3.0,
+    unchanged_written: 0.35,
+    unchanged_rows: 3.5,
 };

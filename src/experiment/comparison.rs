@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::contradiction::note_contradictions;
 use super::error::RunError;
 use super::fits::MethodFit;
 use super::plan::{MeasuredRecording, MethodPlan, Plan};
@@ -95,7 +96,9 @@ impl Comparison {
 /// # Errors
 /// If no method has a fit, or nothing can be simulated.
 pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> {
-    compare_in(plan, fits, Detail::Report)
+    let mut out = compare_in(plan, fits, Detail::Report)?;
+    note_contradictions(&mut out.methods, out.reference, Judged::of(&out.recordings));
+    Ok(out)
 }
 
 /// [`compare`] without what the rows of a grid do not contain: the noise floor of the free simulation and the errors of

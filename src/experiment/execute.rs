@@ -15,6 +15,7 @@ use super::remarks::remarks;
 use super::resolve::resolve;
 use super::run::{Unfitted, run_in_stages};
 use super::stages::Stages;
+use crate::identify::Note;
 use crate::io::{ResultFolder, check_writable, exists, read_text, write_csv};
 use crate::report::{not_determined, results, sentence, sign_of_speed, simulation_error};
 use crate::study::{Invocation, Judged, Study, Version};
@@ -242,10 +243,22 @@ pub fn write(plan: &Plan, study: Study, out: &Path) -> Result<Done, ExperimentEr
     let path = folder.write()?;
     Ok(Done {
         verdict: verdict(&study),
+        contradictions: contradictions(&study),
         report: path.join("report.html"),
         error: study.given.as_ref().map_or(f64::NAN, |given| study.error_of(given)),
         floor: study.judged_floor(),
     })
+}
+
+/// What the method that is shown in detail and others contradict each other in.
+fn contradictions(study: &Study) -> Vec<String> {
+    let reference = study.reference.map(|n| &study.methods[n]);
+    let notes = reference.into_iter().flat_map(|m| m.notes.iter().map(move |note| (&m.name, note)));
+    let one = |(name, note): (&String, &Note)| match note {
+        Note::Contradiction(one) => Some(format!("{name}: {one}")),
+        _ => None,
+    };
+    notes.filter_map(one).collect()
 }
 
 /// The manoeuvre as segments and as set-points at 100 Hz.

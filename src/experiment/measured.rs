@@ -8,7 +8,7 @@ use super::no_motion::NoMotion;
 use super::reading::Reading;
 use super::source::MeasuredRecording;
 use super::together::{Unread, read_together};
-use crate::conditioning::Settings;
+use crate::conditioning::{Action, Settings, stated};
 use crate::robot::Robot;
 use crate::study::Role;
 
@@ -44,7 +44,19 @@ pub(super) fn read(
         )));
     }
     if let Some(none) = NoMotion::of(train()) {
-        return Err(words(format!("recordings.train: {none} ({})", entry.train.join(", "))));
+        let files = entry.train.join(", ");
+        return Err(words(format!("recordings.train: {none} ({files}){}", corrected(&measured))));
     }
     Ok(measured)
+}
+
+/// What was corrected in the training recordings, of which a refusal prints nothing else.
+fn corrected(measured: &[MeasuredRecording]) -> String {
+    let train = measured.iter().filter(|m| m.role == Role::Train);
+    let signals = train.flat_map(|m| {
+        let found = stated(&m.conditioning).into_iter();
+        let corrected = found.filter(|s| matches!(s.action, Action::Corrected(_)));
+        corrected.map(|s| format!(". {}: {s}", m.recording.name()))
+    });
+    signals.collect()
 }

@@ -6,6 +6,7 @@ mod between_rows;
 mod check;
 mod combinations;
 mod comparison;
+mod contradiction;
 mod copies;
 mod custom;
 mod diagnosis;

@@ -27,6 +27,8 @@ pub(super) const THUMBNAIL: &str = "thumbnail.png";
 pub struct Done {
     /// Its verdict in a sentence, with the errors.
     pub verdict: String,
+    /// Estimates of the model that other methods contradict, in sentences.
+    pub contradictions: Vec<String>,
     /// Path of its report, or of its journal for a part of a grid.
     pub report: PathBuf,
     /// 2 s simulation error of the model as given on the judged recordings [rad/s]; NaN for a grid.
@@ -38,6 +40,6 @@ pub struct Done {
 impl Done {
     /// Result of a grid, which has no model.
     pub(super) fn of_grid(verdict: String, report: PathBuf) -> Self {
-        Self { verdict, report, error: f64::NAN, floor: f64::NAN }
+        Self { verdict, contradictions: vec![], report, error: f64::NAN, floor: f64::NAN }
     }
 }

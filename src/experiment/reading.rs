@@ -9,6 +9,7 @@ use super::source::MeasuredRecording;
 use super::unrepaired;
 use crate::conditioning::{
     Action, Channel, Context, Encoders, Finding, Kind, Settings, SlowPair, SpeedLag, condition,
+    repair_factors,
 };
 use crate::io::{
     ColumnMap, RawChannels, needed_columns, read_channels, read_long_recording, table_channels,
@@ -167,11 +168,13 @@ impl Reading {
     }
 
     fn conditioned(&self, mut raw: RawChannels) -> Result<(Recording, Vec<Finding>), Meaning> {
-        let channels = std::mem::take(&mut raw.channels);
+        let mut channels = std::mem::take(&mut raw.channels);
+        let mut findings = repair_factors(&mut channels, &raw.factors, &self.conditioning);
         let done = condition(channels, &self.conditioning, &self.context())
             .map_err(|e| words(format!("{}: {e}", raw.name)))?;
         raw.channels = done.channels;
-        Ok((raw.recording(self.drive_unit)?, done.findings))
+        findings.extend(done.findings);
+        Ok((raw.recording(self.drive_unit)?, findings))
     }
 }
 

@@ -37,7 +37,7 @@ pub use method::{
     options_schema,
 };
 
-pub use note::{Note, PhysicalBound, SingleAxis, Unknown};
+pub use note::{Contradiction, Note, PhysicalBound, SingleAxis, Unknown};
 pub(crate) use one_size::{frictionless_start, start_without_friction};
 pub use profile::DROP;
 pub use reason::{IdentifyError, NoStart, Unsupported};

@@ -117,6 +117,8 @@ pub enum Note {
     /// Symbols and the values of `torque_regression`, from which the fit of a model with an error above noise
     /// differs by more than both standard errors.
     Disagreement(Vec<(String, f64)>),
+    /// Another method contradicts an estimate.
+    Contradiction(Contradiction),
     /// A profile was requested for an unknown parameter.
     NoProfile(String),
     /// A profile likelihood.
@@ -165,6 +167,31 @@ pub enum Note {
     ReadInBlocks(usize),
     /// Number of windows used for recordings too long for memory.
     FittedToWindows(usize),
+}
+
+/// An estimate that another method contradicts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contradiction {
+    /// Symbol of the parameter, or of the identifiable sum of two.
+    pub subject: String,
+    /// Values and standard errors, the own one first.
+    pub values: [(f64, f64); 2],
+    /// Name of the other method.
+    pub method: String,
+    /// 2 s simulation errors, the own one first [rad/s].
+    pub errors: [f64; 2],
+    /// Whether these are on held-out recordings, or on those of the fit.
+    pub held_out: bool,
+}
+
+impl Contradiction {
+    /// The same as seen from the other method; the own one is called `name`.
+    #[must_use]
+    pub fn seen_from(&self, name: &str) -> Self {
+        let Self { values: [own, other], errors: [error, others], .. } = *self;
+        let (values, errors) = ([other, own], [others, error]);
+        Self { values, errors, method: name.into(), ..self.clone() }
+    }
 }
 
 /// A bound that physics or construction set.

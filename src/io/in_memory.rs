@@ -40,8 +40,8 @@ pub fn table_channels(
     if frame.height() == 0 {
         return Err(IoError::HeaderOnly { file: shown(path) });
     }
-    let channels = channels(path, columns, &wanted, &frame, &mut Place::default())?;
+    let (channels, factors) = channels(path, columns, &wanted, &frame, &mut Place::default())?;
     let (rows, name, path) = (channels.t.len(), table.to_owned(), path.to_path_buf());
     let (time, sha256) = (time_of(&wanted, columns), String::new());
-    Ok(RawChannels { name, channels, sha256, path, time, is_text: false, rows })
+    Ok(RawChannels { name, channels, factors, sha256, path, time, is_text: false, rows })
 }

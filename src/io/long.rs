@@ -106,7 +106,7 @@ impl LongFile {
                     let none = || IoError::HeaderOnly { file: shown(&self.path) };
                     return if empty { Err(none()) } else { Ok(None) };
                 }
-                let mut rows =
+                let (mut rows, _) =
                     channels(&self.path, &self.columns, &self.wanted, &frame, &mut place)?;
                 order.keep(&mut rows, place.first);
                 *self.left_out.lock().unwrap_or_else(PoisonError::into_inner) = order.left_out;

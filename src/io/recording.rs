@@ -29,7 +29,7 @@ use super::error::shown;
 use super::format::Format;
 use super::signals::frame;
 use super::{ColumnMap, IoError, parquet, sha256, sysid, text_log};
-use crate::recording::{Channels, DriveUnit, Recording};
+use crate::recording::{Channels, DriveUnit, Factor, Recording};
 
 /// Reads a recording: the columns of the contract under the names and units of `columns`; others
 /// are passed over. A time that counts from the start of a calendar is counted from the first row
@@ -54,6 +54,8 @@ pub struct RawChannels {
     pub name: String,
     /// The columns; a cell without a number is NaN.
     pub channels: Channels,
+    /// The columns by which the inputs are multiplied.
+    pub factors: [Option<Factor>; 2],
     /// SHA-256 of the file; empty for a table in memory.
     pub sha256: String,
     pub(super) path: PathBuf,
@@ -98,13 +100,13 @@ pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, Io
     if frame.height() == 0 {
         return Err(IoError::HeaderOnly { file: shown(path) });
     }
-    let channels = channels(path, columns, &wanted, &frame, &mut Place::default())?;
+    let (channels, factors) = channels(path, columns, &wanted, &frame, &mut Place::default())?;
     let file = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let name = part.map_or(file.clone(), |part| format!("{file}#{part}"));
     let is_text = matches!(headers.source, Source::Text(_));
     let (rows, sha256, path) = (channels.t.len(), sha256(path)?, path.to_path_buf());
     let time = time_of(&wanted, columns);
-    Ok(RawChannels { name, channels, sha256, path, time, is_text, rows })
+    Ok(RawChannels { name, channels, factors, sha256, path, time, is_text, rows })
 }
 
 /// Name of the column of the time, and its unit \[s\]; the standard ones without such a column.

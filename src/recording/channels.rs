@@ -13,6 +13,15 @@ pub struct Channels {
     pub torque: Vec<[f64; 2]>,
 }
 
+/// The column by which an input is multiplied (a battery voltage), and the input without it (a duty cycle), by rows.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    /// The column, with its last value where it has none.
+    pub values: Vec<f64>,
+    /// The input without it.
+    pub input: Vec<f64>,
+}
+
 /// Which channels were measured and which were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Measured {

@@ -20,7 +20,7 @@ mod regime;
 mod sensing;
 mod standstill;
 
-pub use channels::{Channels, Measured, MotionNoise, Noise, Sensing, SlowNoise};
+pub use channels::{Channels, Factor, Measured, MotionNoise, Noise, Sensing, SlowNoise};
 pub(crate) use derived::{RESOLVED, differentiate, slopes};
 pub use drive_unit::DriveUnit;
 pub use error::RecordingError;

@@ -185,7 +185,7 @@ const STAGES: [(&str, &[&str]); 9] = [
         ],
     ),
     ("from a plan to fits", &["fits", "fitted"]),
-    ("from fits to a comparison", &["fuzzy_study", "comparison"]),
+    ("from fits to a comparison", &["fuzzy_study", "contradiction", "comparison"]),
     ("from a comparison to a diagnosis", &["diagnosis"]),
     ("from a diagnosis to a study", &["models", "model_out", "what_if", "run"]),
     ("from a study to files", &["overlay", "estimates", "shard", "options", "origin", "grid"]),

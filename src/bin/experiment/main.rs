@@ -167,7 +167,8 @@ fn merge(files: &[PathBuf], options: &RunOptions, quiet: bool) -> ExitCode {
 }
 
 fn say(name: &str, done: &Done) {
-    print(&format!("{name}: {}\n    {}\n", done.verdict, done.report.display()));
+    let contradictions: String = done.contradictions.iter().map(|c| format!("    {c}\n")).collect();
+    print(&format!("{name}: {}\n{contradictions}    {}\n", done.verdict, done.report.display()));
 }
 
 fn run(run: &Run) -> ExitCode {

@@ -118,6 +118,13 @@ pub enum Kind<C = usize, R = f64> {
         /// The first of them.
         first: C,
     },
+    /// Rows in which both speeds are half of those around them; left out.
+    HalfInterval {
+        /// How many rows.
+        rows: C,
+        /// The first of them.
+        first: C,
+    },
     /// An angle that wraps at so many radians.
     Wrapped {
         /// Angle after which it begins again \[rad\].
@@ -157,9 +164,12 @@ pub enum Kind<C = usize, R = f64> {
         /// Half a row, by which the motion follows the samples later \[s\].
         half_row_s: R,
     },
-    /// An input that the experiment file describes as held from row to row and that changes between the rows, as
-    /// determined from the motion.
-    StepsBetweenRows,
+    /// An input that is described as held from row to row and that changes between the rows, as determined from the
+    /// motion.
+    StepsBetweenRows {
+        /// Whether the experiment file states that it is held, which is then obeyed.
+        stated: bool,
+    },
     /// Rows that the logger lost, during which an input is held at values that were not recorded.
     LostRows {
         /// How many.
@@ -188,6 +198,15 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// Isolated wrong samples.
     Spikes {
+        /// How many.
+        count: C,
+        /// The first of them.
+        first: C,
+        /// The largest one, from the line between its neighbours.
+        largest: R,
+    },
+    /// Wrong speeds in the first rows of a start; left out.
+    Onset {
         /// How many.
         count: C,
         /// The first of them.
@@ -301,6 +320,16 @@ pub enum Kind<C = usize, R = f64> {
 }
 
 impl Kind {
+    /// Wrong samples by row and deviation, if there are any.
+    pub(in crate::conditioning) fn spikes(
+        mut found: impl ExactSizeIterator<Item = (usize, f64)>,
+    ) -> Option<Self> {
+        let count = found.len();
+        let (row, out) = found.next()?;
+        let largest = found.fold(out, |a, (_, x)| if x.abs() > a.abs() { x } else { a });
+        Some(Self::Spikes { count, first: row + 1, largest })
+    }
+
     /// Name, value and unit in `results.json`.
     pub(crate) fn parts(&self) -> (&'static str, f64, &'static str) {
         match *self {
@@ -321,9 +350,11 @@ impl Kind {
             Self::Frozen { rows, .. } => ("frozen", rows as f64, "rows"),
             Self::Dead { rows, .. } => ("dead", rows as f64, "rows"),
             Self::Stale { rows, .. } => ("stale", rows as f64, "rows"),
+            Self::HalfInterval { rows, .. } => ("half_interval", rows as f64, "rows"),
             Self::Wrapped { period_rad, .. } => ("wrapped", period_rad, "rad"),
             Self::Reset { step_rad, .. } => ("reset", step_rad, "rad"),
             Self::Spikes { count, .. } => ("spikes", count as f64, "samples"),
+            Self::Onset { count, .. } => ("onset", count as f64, "samples"),
             Self::Unit { factor, .. } => ("unit", factor, "1"),
             Self::Gear { ratio } => ("gear", ratio, "1"),
             Self::Gain { ratio, .. } => ("gain", ratio, "1"),
@@ -337,7 +368,7 @@ impl Kind {
             Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::RowMeans { middle_s } => ("row_means", middle_s, "s"),
             Self::OneSampleARow { half_row_s } => ("one_sample_a_row", half_row_s, "s"),
-            Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
+            Self::StepsBetweenRows { .. } => ("steps_between_rows", 1.0, "rows"),
             Self::LostRows { rows } => ("lost_rows", rows as f64, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
             Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),

@@ -45,6 +45,9 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
                 or_blocked,
             },
             Self::Stale { rows, first } => Kind::Stale { rows: whole(rows), first: whole(first) },
+            Self::HalfInterval { rows, first } => {
+                Kind::HalfInterval { rows: whole(rows), first: whole(first) }
+            }
             Self::Wrapped { period_rad, turns } => {
                 Kind::Wrapped { period_rad: real(period_rad), turns: whole(turns) }
             }
@@ -62,7 +65,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             Self::OneSampleARow { half_row_s } => {
                 Kind::OneSampleARow { half_row_s: real(half_row_s) }
             }
-            Self::StepsBetweenRows => Kind::StepsBetweenRows,
+            Self::StepsBetweenRows { stated } => Kind::StepsBetweenRows { stated },
             Self::LostRows { rows } => Kind::LostRows { rows: whole(rows) },
             Self::Phase { shift_s, std_error_s } => {
                 Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }
@@ -76,6 +79,9 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             }
             Self::Spikes { count, first, largest } => {
                 Kind::Spikes { count: whole(count), first: whole(first), largest: real(largest) }
+            }
+            Self::Onset { count, first, largest } => {
+                Kind::Onset { count: whole(count), first: whole(first), largest: real(largest) }
             }
             Self::Unit { factor, unit } => Kind::Unit { factor: real(factor), unit },
             Self::Gear { ratio } => Kind::Gear { ratio: real(ratio) },

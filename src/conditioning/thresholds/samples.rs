@@ -47,6 +47,27 @@ pub struct Samples {
     pub dead_steps: f64,
     /// Share of the input of the other wheel above which a wheel is driven as well (judgement).
     pub also_driven: f64,
+    /// Share of the usual battery voltage by which a sample is wrong: a controller does not run on half of it, nor on
+    /// one and a half.
+    pub lost_voltage: f64,
+    /// Number of rows of rest before a start (judgement).
+    pub onset_rest: usize,
+    /// Share of an input by which it may change while it stays (judgement: of a battery voltage under load).
+    pub onset_input: f64,
+    /// Ratio of the first speeds of a start to all later ones under the same input, above which they are wrong (judgement:
+    /// a motor without its load is faster by less).
+    pub onset_above: f64,
+    /// Ratio of a speed to those of the rows around it below which it dips for a single row (judgement).
+    pub dip: f64,
+    /// Ratios that are nearer to a half than to a third or two thirds: the speed of half an interval of a counter.
+    pub half: [f64; 2],
+    /// Relative difference of the speeds before and after such a row, at most (judgement).
+    pub around_alike: f64,
+    /// Smallest number of rows with half the speed of both wheels: by chance, dips of any ratio below three quarters are
+    /// all near a half once in a thousand recordings.
+    pub fewest_half: usize,
+    /// Share of the dips of both wheels that must be by a half (judgement).
+    pub half_of_dips: f64,
 }
 
 pub(in crate::conditioning) const SAMPLES: Samples = Samples {
@@ -67,4 +88,13 @@ pub(in crate::conditioning) const SAMPLES: Samples = Samples {
     dead_slow: 0.1,
     dead_steps: 3.0,
     also_driven: 0.5,
+    lost_voltage: 0.5,
+    onset_rest: 5,
+    onset_input: 0.1,
+    onset_above: 1.25,
+    dip: 0.75,
+    half: [5.0 / 12.0, 7.0 / 12.0],
+    around_alike: 0.25,
+    fewest_half: 5,
+    half_of_dips: 0.75,
 };

@@ -2,6 +2,7 @@
 
 mod assigned;
 mod beside;
+mod body;
 mod centred;
 mod clock;
 mod commands;
@@ -64,6 +65,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     unknown_sides::by_pairs_of_words(&mut all);
     devices::apply(&mut all);
     out.columns.extend(clock::time(&all));
+    body::apply(&mut all);
     out.ask_all(ranges::apply(&mut all, &out));
     out.ask_all(beside::apply(&mut all));
     out.ask_all(plain_inputs::apply(&mut all));
@@ -104,6 +106,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     if !found('M') || !found('a') && !found('d') {
         out.ask_all(labels::repeated(columns));
     }
+    body::alone(columns, &mut out);
     out
 }
 

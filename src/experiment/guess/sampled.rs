@@ -25,7 +25,10 @@ pub(super) fn order(
     let (Some(current), Some(voltage)) = (of(DriveUnit::Ampere), of(DriveUnit::Volt)) else {
         return (inputs, None);
     };
-    let are_volts = inputs[voltage].0.iter().all(|one| is_in_volts(columns, one));
+    let volts = &inputs[voltage].0;
+    // a side that drives forward only is never negative, nor is the battery
+    let has_sign = |one: &Guessed| !is_never_negative(values_of(columns, &one.name));
+    let are_volts = volts.iter().all(is_in_volts) && volts.iter().any(has_sign);
     if !are_volts || of(DriveUnit::NewtonMetre).is_some() {
         return (inputs, None);
     }
@@ -44,12 +47,11 @@ pub(super) fn order(
     (inputs, Some(last))
 }
 
-/// Whether a column states volts and has both signs.
-fn is_in_volts(columns: &[PreviewColumn], one: &Guessed) -> bool {
-    let values = values_of(columns, &one.name);
+/// Whether a column states volts.
+fn is_in_volts(one: &Guessed) -> bool {
     let name = named(&one.name);
     let is_stated = matches!(name.unit, Some("V" | "mV")) || name.word.starts_with("volt");
-    is_stated && !is_share_word(&one.name) && !is_never_negative(values)
+    is_stated && !is_share_word(&one.name)
 }
 
 /// Rate of the rows \[Hz\]; `None` without a column of the time.
@@ -91,6 +93,30 @@ mod tests {
             "{}",
             slow.words()
         );
+    }
+
+    #[test]
+    fn volts_of_a_step_have_a_sign_by_the_mirrored_side() {
+        let step = |name: &str, top: f64| PreviewColumn {
+            name: name.into(),
+            values: (0..200)
+                .map(|k| if k < 50 { 0.0 } else { top + 0.01 * f64::from(k % 7) })
+                .collect(),
+            ..PreviewColumn::default()
+        };
+        let unit = |left: f64| {
+            let names = [("Left Voltage", left), ("Right Voltage", 3.0), ("Left Current", 8.0)];
+            let more =
+                [("Right Current", 7.0), ("Left Speed rpm", 90.0), ("Right Speed rpm", 91.0)];
+            let mut log: Vec<PreviewColumn> =
+                names.into_iter().chain(more).map(|(name, top)| step(name, top)).collect();
+            let values = (0..200).map(|k| 0.1 * f64::from(k)).collect();
+            log.push(PreviewColumn { name: "t".into(), values, ..PreviewColumn::default() });
+            guess(&log).drive_unit
+        };
+        assert_eq!(unit(-3.0), DriveUnit::Volt);
+        // neither side shows that it can be negative: it may be the voltage of the battery
+        assert_eq!(unit(3.0), DriveUnit::Ampere);
     }
 
     #[test]

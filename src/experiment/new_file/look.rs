@@ -134,12 +134,13 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>, usize), 
     let commanded = guess.drive_unit == DriveUnit::Volt;
     let context = Context { commanded, ..Context::default() };
     let settings = Settings { refuse: false, ..Settings::default() };
-    let channels = std::mem::take(&mut raw.channels);
+    let mut channels = std::mem::take(&mut raw.channels);
+    let mut findings = conditioning::repair_factors(&mut channels, &raw.factors, &settings);
     let rows = channels.t.len();
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
-    let mut findings = done.findings;
+    findings.extend(done.findings);
     // the sign of an input does not depend on the scale of the motion
     findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));
     Ok((recording, findings, rows))

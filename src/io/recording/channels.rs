@@ -12,7 +12,7 @@ use super::direction::{SIGNS, give_sign};
 use super::fraction::in_seconds;
 use super::header::conversion;
 use super::sum;
-use crate::recording::Channels;
+use crate::recording::{Channels, Factor};
 
 /// The part of a time that is written as seconds and nanoseconds.
 pub(super) const NANOSECONDS: &str = "t.nanoseconds";
@@ -55,14 +55,15 @@ impl Place {
     }
 }
 
-/// The columns of a block of rows, in the units of the contract.
+/// The columns of a block of rows, in the units of the contract, and the factors of the inputs.
 pub(in crate::io) fn channels(
     path: &Path,
     columns: &ColumnMap,
     wanted: &[(&'static str, String)],
     frame: &DataFrame,
     place: &mut Place,
-) -> Result<Channels, IoError> {
+) -> Result<(Channels, [Option<Factor>; 2]), IoError> {
+    let mut factors = [None, None];
     let rows = place.first..place.first + frame.height();
     let part = wanted.iter().find(|(k, _)| *k == NANOSECONDS);
     let part = part
@@ -92,23 +93,28 @@ pub(in crate::io) fn channels(
         if let (Some(part), "t") = (&part, key) {
             values.to_mut().iter_mut().zip(part).for_each(|(t, part)| *t += part);
         }
-        let factor = FACTORS.iter().find(|(_, input)| *input == key).map(|(factor, _)| factor);
-        if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == factor) {
-            let by = held(numbers(path, frame, name, place.first)?);
-            values.to_mut().iter_mut().zip(by).for_each(|(x, by)| *x *= by);
-        }
         let sign = SIGNS.iter().find(|(_, of)| *of == key).map(|(sign, _)| sign);
         if let Some((_, name)) = wanted.iter().find(|(k, _)| Some(k) == sign) {
             let directions = numbers(path, frame, name, place.first)?;
             let signed = (key, columns.get(key));
             give_sign(path, signed, values.to_mut(), &directions, place.first)?;
         }
+        let wheel = FACTORS.iter().position(|(_, input)| *input == key);
+        let factor = wheel.map(|wheel| FACTORS[wheel].0);
+        if let (Some(wheel), Some((_, name))) =
+            (wheel, wanted.iter().find(|(k, _)| Some(*k) == factor))
+        {
+            let by = held(numbers(path, frame, name, place.first)?);
+            let input = values.to_vec();
+            values.to_mut().iter_mut().zip(&by).for_each(|(x, by)| *x *= by);
+            factors[wheel] = Some(Factor { values: by, input });
+        }
         Ok(Some(values))
     };
     let pair = |a: Option<Cow<[f64]>>, b: Option<Cow<[f64]>>| {
         a.zip(b).map(|(a, b)| a.iter().zip(b.iter()).map(|(a, b)| [*a, *b]).collect::<Vec<_>>())
     };
-    Ok(Channels {
+    let channels = Channels {
         t: match columns.get("t").period {
             Some(period) => rows.map(|row| period * row as f64).collect(),
             None => one("t")?.unwrap_or_default().into_owned(),
@@ -116,7 +122,8 @@ pub(in crate::io) fn channels(
         alpha: pair(one("alpha1")?, one("alpha2")?),
         omega: pair(one("dalpha1")?, one("dalpha2")?),
         torque: pair(one("M1")?, one("M2")?).unwrap_or_default(),
-    })
+    };
+    Ok((channels, factors))
 }
 
 /// The values with the last one in place of those that are missing: the battery is measured more slowly than

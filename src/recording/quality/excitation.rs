@@ -9,6 +9,11 @@ const STANDING: f64 = 0.03;
 /// Ratio of the RMS difference (sum) of the wheel speeds to that of their sum (difference) below which turns (travel)
 /// are absent: small differences between the wheels amount to a few percent (judgement).
 const ABSENT: f64 = 0.1;
+/// Number of successive rows with which a wheel turns, if all of them exceed the noise of the sensor: a reversal between
+/// slow rows is shorter than a window.
+const TURNING: usize = 3;
+/// Standard deviations of its noise that such a speed exceeds: by chance three in a row in one of 10⁸.
+const ABOVE_NOISE: f64 = 3.0;
 /// Share of standstill that gives a note, and share that gives a warning.
 const STANDSTILL: (f64, f64) = (0.3, 0.6);
 
@@ -68,7 +73,7 @@ pub(super) fn findings(r: &Recording, windows: &[Window]) -> Vec<Finding> {
         out.push(Finding::new(severity, Issue::Standstill(still)));
     }
     out.extend(kinds(r, &moving));
-    out.extend((0..2).filter_map(|i| one_way(&moving, i)));
+    out.extend((0..2).filter_map(|i| one_way(r, &moving, i)));
     out
 }
 
@@ -83,13 +88,18 @@ fn kinds(r: &Recording, moving: &[&Window]) -> Option<Finding> {
     Some(Finding::new(Severity::Warning, issue))
 }
 
-fn one_way(moving: &[&Window], i: usize) -> Option<Finding> {
+fn one_way(r: &Recording, moving: &[&Window], i: usize) -> Option<Finding> {
     let top = quantile(moving.iter().map(|w| w.speed[i]), 0.99);
     let share = |sign: f64| {
         let turning = moving.iter().filter(|w| sign * w.speed[i] > STANDING * top);
         turning.count() as f64 / moving.len() as f64
     };
-    let forward = match (share(1.0) < 0.01, share(-1.0) < 0.01) {
+    let least = (STANDING * top).max(ABOVE_NOISE * r.noise().omega[i]);
+    let lacks = |sign: f64| {
+        let turns = |rows: &[[f64; 2]]| rows.iter().all(|w| sign * w[i] > least);
+        share(sign) < 0.01 && !r.omega().windows(TURNING).any(turns)
+    };
+    let forward = match (lacks(1.0), lacks(-1.0)) {
         (false, true) => true,
         (true, false) => false,
         _ => return None,

@@ -82,6 +82,26 @@ fn the_movement_of_the_paper_raises_notes_alone() {
 }
 
 #[test]
+fn a_wheel_that_reverses_for_a_few_slow_rows_turns_both_ways() {
+    // rows of a sixth of a second: a window of eight rows is longer than the reversal
+    let reversal = |back: bool| {
+        let speed = |k: usize| if back && (203..208).contains(&k) { -0.8 } else { 2.0 };
+        let rows = |k: usize| [speed(k) + 0.02 * (k as f64).sin(), 2.0 + 0.02 * (k as f64).cos()];
+        let channels = Channels {
+            t: (0..400).map(|k| f64::from(k) / 6.0).collect(),
+            alpha: None,
+            omega: Some((0..400).map(rows).collect()),
+            torque: (0..400).map(|k| [0.1 + 0.01 * (f64::from(k) / 5.0).sin(), 0.1]).collect(),
+        };
+        let r = Recording::new("run.csv", channels, DriveUnit::NewtonMetre).unwrap();
+        let found = quality(&r, &Robot::amigobot()).findings;
+        [0, 1].map(|i| found.iter().any(|f| f.issue == Issue::OneWay(i, true)))
+    };
+    assert_eq!(reversal(false), [true, true]);
+    assert_eq!(reversal(true), [false, true]);
+}
+
+#[test]
 fn speeds_in_a_wrong_unit_are_named_with_their_unit() {
     let r = rich(2);
     let scaled = |factor: f64, wheel: usize| {

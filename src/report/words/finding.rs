@@ -57,7 +57,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             format!("{name} has a value in {:.1} % of the rows", percent(share))
         }
         Kind::OnChange { share } => format!(
-            "{name} has no value in {:.1} % of the rows, and its successive values differ: a cell is written only when the \
+            "{name} has no value in {:.1} % of the rows, and most of its successive values differ: a cell is written only when the \
              value changes",
             percent(share)
         ),
@@ -115,6 +115,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{rows} rows repeat the last sample of the sensors although the wheels move; the next new sample \
                  contains the missing motion (first: row {first})"
         ),
+        Kind::HalfInterval { rows, first } => format!(
+            "both speeds are half of those in the rows around in {} (first: row {first}): the logger misses half an \
+                 interval of the encoders",
+            one(rows, "row")
+        ),
         Kind::Wrapped { period_rad, turns } => {
             format!("{name} wraps at {period_rad:.6} rad, {turns} times")
         }
@@ -125,6 +130,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} has {} (first: row {first}; the largest deviates by {})",
             one(count, "isolated wrong sample"),
             largest.written(|v| if v.abs() < 1e6 { format!("{v:.4}") } else { format!("{v:e}") })
+        ),
+        Kind::Onset { count, first, largest } => format!(
+            "{name} begins a start with {} above all later speeds (first: row {first}; by up to {largest:.4}), falls to less \
+                 than half, and rises from there under the same input",
+            one(count, "wrong sample")
         ),
         Kind::Unit { factor, unit } => format!(
             "{name} is {factor:.4} times {} its counterpart: it is in {unit}{}",
@@ -174,9 +184,13 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                 ""
             }
         ),
-        Kind::StepsBetweenRows => format!(
-            "{name} changes between the rows although the file states hold = \"constant\": its steps act at times that \
-             scatter over the row (the controller runs faster than the log, or beside it)"
+        Kind::StepsBetweenRows { stated: false } => format!(
+            "{name} changes between the rows: its steps act at times that scatter over the row (the controller runs faster \
+             than the log, or beside it)"
+        ),
+        Kind::StepsBetweenRows { stated: true } => format!(
+            "{name} is held from row to row as the file states, although steps at times that scatter over the row are more \
+             likely (a controller that runs faster than the log, or beside it); with hold = \"command\" the motion decides"
         ),
         Kind::LostRows { rows } => format!(
             "{name} is held from row to row, but its values in {} that the logger lost are unknown",
@@ -279,7 +293,10 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Batches { .. } => {
             "treated as times of reception: the rows are moved to equidistant times"
         }
-        Kind::Frozen { .. } | Kind::Dead { .. } => "these rows are left out",
+        Kind::Frozen { .. }
+        | Kind::Dead { .. }
+        | Kind::HalfInterval { .. }
+        | Kind::Onset { .. } => "these rows are left out",
         Kind::Stale { .. } => "replaced by the samples that came late",
         Kind::Wrapped { .. } => "unwrapped",
         Kind::Reset { .. } => "treated as a counter reset: the rest is shifted back",
@@ -294,7 +311,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Lag { .. } => "advanced by this time",
         Kind::Filtered { .. } => "not used: the speeds are computed from the angles",
         Kind::LowPass { .. } => "the speed before the filter is used",
-        Kind::StepsBetweenRows => {
+        Kind::StepsBetweenRows { .. } => {
             "interpolated between the rows, and the noise floor includes the unknown times"
         }
         Kind::LostRows { .. } => "on the line between the rows around them",

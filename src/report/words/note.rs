@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::identify::{Note, PhysicalBound, SingleAxis, Unknown};
+use crate::identify::{Contradiction, Note, PhysicalBound, SingleAxis, Unknown};
 use crate::math::round_significant;
 use crate::report::format::digits;
 use crate::simulate::Structure;
@@ -25,6 +25,28 @@ impl fmt::Display for PhysicalBound {
 fn to_record(effect: &str) -> String {
     crate::effects::find(effect)
         .map_or_else(|| "richer motion".into(), |e| e.description().excitation)
+}
+
+/// In a sentence, with the usual reason.
+impl fmt::Display for Contradiction {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { subject, values: [own, other], method, errors: [error, others], held_out } =
+            self;
+        let value = |v: &(f64, f64)| format!("{} ± {}", digits(v.0, 4), digits(v.1, 2));
+        let apart = (own.0 - other.0).abs() / own.1.hypot(other.1);
+        let on = if *held_out { "the validation recordings" } else { "the training recordings" };
+        let better = if error <= others { "this method" } else { method };
+        write!(
+            f,
+            "{subject} = {} contradicts {} by {method}: {apart:.0} standard errors. On {on} {better} simulates better (2 s \
+             simulation error {} rad/s, {method} {}). The usual reason: noise of the speeds, or an input that acts at \
+             another time than recorded, biases the inertias of regressions towards zero.",
+            value(own),
+            value(other),
+            digits(*error, 3),
+            if others.is_finite() { digits(*others, 3) } else { "infinite".into() }
+        )
+    }
 }
 
 /// The note on the prediction horizon.
@@ -207,6 +229,7 @@ impl fmt::Display for Note {
                     values.join(", ")
                 )
             }
+            Self::Contradiction(one) => one.fmt(f),
             Self::NoProfile(symbol) => {
                 write!(f, "No profile likelihood for {symbol}: it is fixed, or not identifiable from these data.")
             }
