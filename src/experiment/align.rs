@@ -44,8 +44,6 @@ pub(super) fn weigh(plan: &mut Plan, is_built: bool) {
 pub(super) struct Asked {
     /// The input between the rows, if specified in the file.
     pub(super) hold: Option<Hold>,
-    /// Whether that is an assumption, which the motion may refute.
-    pub(super) hold_is_assumed: bool,
     /// Enabled corrections.
     pub(super) settings: Settings,
 }
@@ -62,7 +60,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
     if !own {
-        if let Some(moved) = by_other_account(plan, &start, share, asked) {
+        if let Some(moved) = by_other_account(plan, &start, share, asked.settings) {
             start = moved;
             share = share_of_noise(plan, &start);
         }
@@ -95,12 +93,16 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
 
 /// Corrects what the logger did to the speeds and to the input between the rows. Returns the parameters for the changed
 /// recordings, or `None` if they are unchanged.
-fn by_other_account(plan: &mut Plan, start: &[f64], share: f64, asked: &Asked) -> Option<Vec<f64>> {
+fn by_other_account(
+    plan: &mut Plan,
+    start: &[f64],
+    share: f64,
+    settings: Settings,
+) -> Option<Vec<f64>> {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     let given = AsRecorded::new(&plan.model, start, &recordings, plan.hold);
-    as_logged(plan, &given, asked)
-        .or_else(|| unfiltered(plan, &given, start, asked.settings.speeds))
+    as_logged(plan, &given, settings).or_else(|| unfiltered(plan, &given, start, settings.speeds))
 }
 
 /// Holds the input until the next row, or, if `correct`, replaces its means by the line with these means, if the motion
@@ -286,20 +288,16 @@ fn train_with_noise(plan: &Plan, share: f64) -> Vec<Recording> {
 
 /// Simulates with the most likely account of what the logger did ([`more_likely_logging`]), and reports it. Returns the
 /// parameters under this account, or `None` if there is no other.
-fn as_logged(plan: &mut Plan, given: &AsRecorded, asked: &Asked) -> Option<Vec<f64>> {
-    let Settings { rows, speeds: averages, .. } = asked.settings;
-    // without a diagnosis the model need not be complete
-    let steps = rows && plan.diagnosis.is_some();
-    let mut found = more_likely_logging(given, Accounts { averages, steps })?;
+fn as_logged(plan: &mut Plan, given: &AsRecorded, settings: Settings) -> Option<Vec<f64>> {
+    // without a diagnosis the model need not be complete, and the file's `hold` stands
+    let steps = settings.rows && plan.diagnosis.is_some();
+    let allowed = Accounts { averages: settings.speeds, steps };
+    let found = more_likely_logging(given, allowed)?;
     if found.hold != plan.hold {
-        let kind = Kind::StepsBetweenRows { stated: !asked.hold_is_assumed };
-        let on = asked.hold_is_assumed;
-        let between = |i| Finding::corrected(Channel::Input(i), kind, "rows", on);
+        let between =
+            |i| Finding::corrected(Channel::Input(i), Kind::StepsBetweenRows, "rows", true);
         plan.recordings.iter_mut().for_each(|m| m.conditioning.extend([0, 1].map(between)));
-        match on {
-            true => plan.hold = found.hold,
-            false => found = more_likely_logging(given, Accounts { averages, steps: false })?,
-        }
+        plan.hold = found.hold;
     }
     if let Some(filter) = found.low_pass {
         filtered_by(plan, filter, true);

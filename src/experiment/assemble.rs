@@ -154,7 +154,8 @@ pub(super) fn assembled(
     recordings: Vec<MeasuredRecording>,
     options: PlanOptions,
 ) -> Plan {
-    let PlanOptions { title, methods, diagnosis, hold, gain, robot_is_built, seed, .. } = options;
+    let PlanOptions { title, methods, diagnosis, hold, gain, conditioning, robot_is_built, seed } =
+        options;
     let speeds = recordings.iter().flat_map(|m| m.recording.omega().iter().copied());
     let findings = recordings.iter().flat_map(|m| &m.conditioning);
     let opposed = super::remarks::opposed_wheels(&speeds.collect::<Vec<_>>(), findings);
@@ -202,8 +203,7 @@ pub(super) fn assembled(
     };
     align::place(&mut plan);
     align::weigh(&mut plan, robot_is_built);
-    let PlanOptions { hold_is_assumed, conditioning: settings, .. } = options;
-    align::align(&mut plan, &Asked { hold, hold_is_assumed, settings });
+    align::align(&mut plan, &Asked { hold, settings: conditioning });
     plan
 }
 

@@ -13,7 +13,7 @@ use super::drives::Drives;
 use super::error::{ExperimentError, Meaning, nearest, words};
 use super::file::{
     CandidatesEntry, ColumnEntry, DiagnosisEntry, EmulatorEntry, ExperimentFile, FixedEntry,
-    HoldEntry, MovementEntry, NamedMovement, SimulationEntry,
+    MovementEntry, NamedMovement, SimulationEntry,
 };
 use super::guess::{assumed_unit, assumed_units};
 use super::plan::{DiagnosisPlan, InputSum, MeasuredRecording, MethodPlan, Plan, PlanOptions};
@@ -38,9 +38,7 @@ fn source(
     match (&file.recordings, &file.simulation) {
         (Some(entry), _) => {
             let recordings = super::measured::read(path, entry, &file.conditioning, robot)?;
-            let hold = entry.hold.map(HoldEntry::first);
-            let hold_is_assumed = entry.hold == Some(HoldEntry::Command);
-            Ok(Source { hold, hold_is_assumed, ..Source::given(recordings) })
+            Ok(Source { hold: entry.hold, ..Source::given(recordings) })
         }
         (None, Some(entry)) => simulated(entry, own, robot, drives),
         (None, None) => Ok(Source { hold: Some(Hold::Linear), ..Source::given(vec![]) }),
@@ -128,14 +126,13 @@ fn plan(
     let gain = gain(file)?;
     let diagnosis = diagnosis(file, &own)?;
     check_track(&model, diagnosis.as_ref())?;
-    let Source { recordings, hold, hold_is_assumed, seed, truth } = read(&robot, &own)?;
+    let Source { recordings, hold, seed, truth } = read(&robot, &own)?;
     check_copies(&recordings)?;
     let options = PlanOptions {
         title: title(file),
         methods,
         diagnosis,
         hold,
-        hold_is_assumed,
         gain,
         conditioning: file.conditioning,
         robot_is_built: is_built(file.robot.as_ref()),
@@ -367,8 +364,7 @@ fn simulated(
         })
         .collect::<Result<Vec<_>, Meaning>>()?;
     let truth = truth.symbols().into_iter().zip(p).collect();
-    let hold = Some(Hold::Linear);
-    Ok(Source { hold, seed: entry.seed, truth, ..Source::given(recordings) })
+    Ok(Source { recordings, hold: Some(Hold::Linear), seed: entry.seed, truth })
 }
 
 fn movement(entry: &SimulationEntry, robot: &Robot, k: u64) -> Movement {

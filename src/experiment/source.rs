@@ -30,8 +30,6 @@ pub(super) struct Source {
     pub(super) recordings: Vec<MeasuredRecording>,
     /// The input between the rows, if specified.
     pub(super) hold: Option<Hold>,
-    /// Whether that is an assumption, which the motion may refute.
-    pub(super) hold_is_assumed: bool,
     pub(super) seed: u64,
     /// The true parameters of simulated recordings.
     pub(super) truth: Vec<(String, f64)>,
@@ -40,6 +38,6 @@ pub(super) struct Source {
 impl Source {
     /// Recordings that are given directly.
     pub(super) fn given(recordings: Vec<MeasuredRecording>) -> Self {
-        Self { recordings, hold: None, hold_is_assumed: false, seed: 1, truth: vec![] }
+        Self { recordings, hold: None, seed: 1, truth: vec![] }
     }
 }

@@ -164,12 +164,9 @@ pub enum Kind<C = usize, R = f64> {
         /// Half a row, by which the motion follows the samples later \[s\].
         half_row_s: R,
     },
-    /// An input that is described as held from row to row and that changes between the rows, as determined from the
-    /// motion.
-    StepsBetweenRows {
-        /// Whether the experiment file states that it is held, which is then obeyed.
-        stated: bool,
-    },
+    /// An input that the experiment file describes as held from row to row and that changes between the rows, as
+    /// determined from the motion.
+    StepsBetweenRows,
     /// Rows that the logger lost, during which an input is held at values that were not recorded.
     LostRows {
         /// How many.
@@ -368,7 +365,7 @@ impl Kind {
             Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::RowMeans { middle_s } => ("row_means", middle_s, "s"),
             Self::OneSampleARow { half_row_s } => ("one_sample_a_row", half_row_s, "s"),
-            Self::StepsBetweenRows { .. } => ("steps_between_rows", 1.0, "rows"),
+            Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
             Self::LostRows { rows } => ("lost_rows", rows as f64, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),
             Self::StartHeading { angle_rad, .. } => ("start_heading", angle_rad, "rad"),

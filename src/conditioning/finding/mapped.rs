@@ -65,7 +65,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             Self::OneSampleARow { half_row_s } => {
                 Kind::OneSampleARow { half_row_s: real(half_row_s) }
             }
-            Self::StepsBetweenRows { stated } => Kind::StepsBetweenRows { stated },
+            Self::StepsBetweenRows => Kind::StepsBetweenRows,
             Self::LostRows { rows } => Kind::LostRows { rows: whole(rows) },
             Self::Phase { shift_s, std_error_s } => {
                 Kind::Phase { shift_s: real(shift_s), std_error_s: real(std_error_s) }

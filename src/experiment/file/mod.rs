@@ -15,12 +15,12 @@ pub use error::FileError;
 pub use grid::GridAxis;
 pub(super) use grid::axes;
 pub use json_schema::json_schema;
+pub(super) use schema::hold_rows;
 pub use schema::{
     AllCandidates, CandidatesEntry, ConstructionWord, CustomEntry, CustomParameter, DiagnosisEntry,
     EmulatorEntry, ExperimentFile, FixedEntry, ModelEntry, MovementEntry, NamedMovement,
     RecordingsEntry, SimulationEntry,
 };
-pub(super) use schema::{HoldEntry, hold_rows};
 
 use std::collections::BTreeMap;
 

@@ -41,28 +41,6 @@ pub struct ExperimentFile {
     pub grid: Option<Table>,
 }
 
-/// The input between two rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum HoldEntry {
-    /// On the line between them.
-    Linear,
-    /// Held at the value of the first.
-    Constant,
-    /// Held, unless the motion shows steps between the rows.
-    Command,
-}
-
-impl HoldEntry {
-    /// The input with which a fit begins.
-    pub(in crate::experiment) fn first(self) -> Hold {
-        match self {
-            Self::Linear => Hold::Linear,
-            Self::Constant | Self::Command => Hold::Constant,
-        }
-    }
-}
-
 /// `[recordings]`.
 #[derive(Clone, Debug, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -82,7 +60,7 @@ pub struct RecordingsEntry {
     pub drive_unit: DriveUnit,
     /// The input between samples; linear by default; `check` reports if the motion fits a held input better.
     #[serde(default)]
-    pub hold: Option<HoldEntry>,
+    pub hold: Option<Hold>,
     /// Largest number of rows of a recording that is kept in memory. Of a longer one (CSV, Parquet) only
     /// windows are kept; torque_regression reads every row of it, block by block.
     #[serde(default = "hold_rows")]

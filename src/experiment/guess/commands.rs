@@ -219,7 +219,7 @@ fn effort(columns: &[PreviewColumn], battery: &PreviewColumn, guess: &Guess) -> 
     let first = inputs().next().filter(|_| inputs().all(is_open))?;
     Some(format!(
         "the values of `{}` are between -1 and 1: a torque in N m, as assumed, or a share of the battery voltage? For a share write \
-         times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"command\" below it, and {} under [model]",
+         times = \"{}\" in M1 and M2, drive_unit = \"V\", hold = \"constant\" below it, and {} under [model]",
         first.name,
         battery.name,
         effects_of(DriveUnit::Volt)

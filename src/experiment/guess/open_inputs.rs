@@ -11,7 +11,7 @@ use crate::recording::DriveUnit;
 /// The keys to be written together with the columns.
 fn beside() -> String {
     format!(
-        "drive_unit as \"V\" of a voltage or PWM, with hold = \"command\" below it and {} under [model]",
+        "drive_unit as \"V\" of a voltage or PWM, with hold = \"constant\" below it and {} under [model]",
         effects_of(DriveUnit::Volt)
     )
 }

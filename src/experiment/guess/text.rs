@@ -224,7 +224,7 @@ fn other_input(guess: &Guess) -> String {
     let Some((pair, unit)) = &guess.other_input else { return String::new() };
     let [right, left] = pair.each_ref().map(entry);
     let hold = match unit {
-        DriveUnit::Volt => ", hold = \"command\"",
+        DriveUnit::Volt => ", hold = \"constant\"",
         _ => ", without hold",
     };
     format!(
@@ -242,7 +242,7 @@ fn input_words(unit: DriveUnit) -> &'static str {
              # drive_unit = \"N m\" and torque_constant = 0.1 in M1 and M2 of columns\n"
         }
         DriveUnit::Volt => {
-            "hold       = \"command\"       # held from row to row unless the motion shows steps between them; \"constant\": held\n\
+            "hold       = \"constant\"      # a voltage is a command and is held from row to row\n\
              # The input is a voltage: back-EMF is part of the model (kS = a4, kV = k_e, kA = a1 + a2, per radian)\n"
         }
     }

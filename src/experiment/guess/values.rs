@@ -182,7 +182,7 @@ fn no_input(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
     } else {
         Some(format!(
             "which columns hold the torques, currents or voltages of the motors (M1, M2)? Write their unit as \
-             drive_unit; of voltages and PWM also hold = \"command\" below it, and {} under [model]",
+             drive_unit; of voltages and PWM also hold = \"constant\" below it, and {} under [model]",
             effects_of(DriveUnit::Volt)
         ))
     }

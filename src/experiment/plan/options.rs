@@ -74,8 +74,6 @@ pub struct PlanOptions {
     pub diagnosis: Option<DiagnosisPlan>,
     /// The input between the rows; default: linear, or held if the motion indicates this.
     pub hold: Option<Hold>,
-    /// Whether a held input is an assumption, which the motion may refute; otherwise it is obeyed.
-    pub hold_is_assumed: bool,
     /// Gain of the emulator, if requested.
     pub gain: Option<Gain>,
     /// Corrections that use all recordings together: speeds after a low-pass, inputs with different phases
@@ -95,7 +93,6 @@ impl Default for PlanOptions {
             methods: MethodPlan::defaults(),
             diagnosis: None,
             hold: None,
-            hold_is_assumed: false,
             gain: None,
             conditioning: conditioning::Settings::default(),
             robot_is_built: true,

@@ -184,13 +184,9 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                 ""
             }
         ),
-        Kind::StepsBetweenRows { stated: false } => format!(
-            "{name} changes between the rows: its steps act at times that scatter over the row (the controller runs faster \
-             than the log, or beside it)"
-        ),
-        Kind::StepsBetweenRows { stated: true } => format!(
-            "{name} is held from row to row as the file states, although steps at times that scatter over the row are more \
-             likely (a controller that runs faster than the log, or beside it); with hold = \"command\" the motion decides"
+        Kind::StepsBetweenRows => format!(
+            "{name} changes between the rows although the file states hold = \"constant\": its steps act at times that \
+             scatter over the row (the controller runs faster than the log, or beside it)"
         ),
         Kind::LostRows { rows } => format!(
             "{name} is held from row to row, but its values in {} that the logger lost are unknown",
@@ -311,7 +307,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Lag { .. } => "advanced by this time",
         Kind::Filtered { .. } => "not used: the speeds are computed from the angles",
         Kind::LowPass { .. } => "the speed before the filter is used",
-        Kind::StepsBetweenRows { .. } => {
+        Kind::StepsBetweenRows => {
             "interpolated between the rows, and the noise floor includes the unknown times"
         }
         Kind::LostRows { .. } => "on the line between the rows around them",
