@@ -84,7 +84,8 @@ fn is_written_on_change(channel: Channel, t: &[f64], values: &[f64]) -> bool {
         Channel::Speed(_) => goes_on(step) && values[step[0]].abs() <= TIMES.rests_below * top,
         _ => false,
     };
-    2.0 * rest > empty && long.iter().all(|step| rests(step))
+    // rows of other messages leave cells without a value, and no time
+    !long.is_empty() && 2.0 * rest > empty && long.iter().all(|step| rests(step))
 }
 
 #[cfg(test)]
