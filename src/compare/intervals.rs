@@ -1,6 +1,5 @@
 //! Intervals in which the residual torque is far above its usual size: the robot was pushed, a gust of wind, a bump.
 
-use crate::diagnose::THRESHOLDS;
 use crate::math::distribution::t_survival;
 use crate::math::{mean, median};
 
@@ -47,15 +46,13 @@ pub struct Residual<'a> {
 /// block of less than half a second, or unknown for more than half of its rows, is left out.
 ///
 /// ```text
-/// s = median |m_b|/0.674,   t_b = (|m_b| - h_b)/s of 0.37 n degrees of freedom,   listed if n P(|t| > t_b) < exp(-10)
+/// s = median |m_b|/0.674,   t_b = (|m_b| - h_b)/s of 0.37 n degrees of freedom,   listed if n P(|t| > t_b) < exp(-surely)
 /// ```
 /// m_b: mean of block b, h_b: mean absolute change of its rows with only every other row of the input, n: number of blocks
 /// of the wheel. Coloured noise of the input makes the means normal with one variance; an event leaves their median as it
-/// is. The limit is [`structure_of_blocks`], as of any dependence that coloured noise must not cause.
-///
-/// [`structure_of_blocks`]: crate::diagnose::Thresholds::structure_of_blocks
+/// is.
 #[must_use]
-pub fn intervals(recordings: &[Residual]) -> Vec<Interval> {
+pub fn intervals(recordings: &[Residual], surely: f64) -> Vec<Interval> {
     let far = |wheel: usize| {
         let of = |(r, residual): (usize, &Residual)| blocks(r, wheel, residual);
         let all: Vec<Block> = recordings.iter().enumerate().flat_map(of).collect();
@@ -64,7 +61,7 @@ pub fn intervals(recordings: &[Residual]) -> Vec<Interval> {
         let is_far = move |block: &Block| {
             let beyond = block.interval.torque.abs() - block.between_rows;
             let p = 2.0 * t_survival(beyond / usual, EFFICIENCY * count);
-            -(count * p).ln() > THRESHOLDS.structure_of_blocks
+            -(count * p).ln() > surely
         };
         joined(all.into_iter().filter(is_far).map(|block| block.interval))
     };
@@ -155,7 +152,7 @@ mod tests {
         let (t, torque) = noisy(1, push);
         let of = |torque: &[[f64; 2]], half: &[[f64; 2]]| {
             let halves = [torque.to_vec(), half.to_vec()];
-            intervals(&[Residual { t: &t, torque: torque.to_vec(), halves }])
+            intervals(&[Residual { t: &t, torque: torque.to_vec(), halves }], 10.0)
         };
         let found = of(&torque, &torque);
         let [pushed] = &found[..] else { panic!("{found:?}") };
@@ -177,7 +174,7 @@ mod tests {
         let alarms = (0..200).filter(|seed| {
             let (t, torque) = noisy(100 + seed, |_| 0.0);
             let halves = [torque.clone(), torque.clone()];
-            !intervals(&[Residual { t: &t, torque, halves }]).is_empty()
+            !intervals(&[Residual { t: &t, torque, halves }], 10.0).is_empty()
         });
         assert_eq!(alarms.count(), 0);
     }

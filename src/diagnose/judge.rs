@@ -92,12 +92,17 @@ impl Judge {
         Ok(Judgement { ise: errors.iter().map(|(ise, _)| ise).sum(), window_rms: square.sqrt() })
     }
 
-    /// Whether the effect `id` of a fit changes the judged simulations. A limit of the input that the judged recordings
+    /// Whether the effect `id` of a fit changes the judged simulations, by more than noise of the input. A limit of the input that the judged recordings
     /// do not reach may lower their error through the other parameters alone, which the recordings that reach it have
     /// biased.
     #[must_use]
     pub fn acts(&self, fit: &WindowFit, id: &str) -> bool {
         let Some(e) = fit.place_of(id) else { return false };
+        let (effect, p) = (&fit.model.effects()[e], &fit.p[fit.model.slots(e)]);
+        let exceeds = |r: &Recording| effect.exceeds_noise(r.torque(), r.noise().torque, p);
+        if !self.recordings.iter().any(exceeds) {
+            return false;
+        }
         let (model, p) = fit.without(e);
         let error = |model: &Model, p: &[f64]| self.judge(model, p).map(|judged| judged.window_rms);
         match (error(&fit.model, &fit.p), error(&model, &p)) {

@@ -82,6 +82,12 @@ pub trait Physics: Send + Sync + 'static {
         None
     }
 
+    /// Whether it changes recorded torques `m` with this standard deviation of their noise by more than the noise: a
+    /// change that only removes noise is none of the robot.
+    fn exceeds_noise(&self, _m: &[[f64; 2]], _noise: [f64; 2], _p: &[f64]) -> bool {
+        true
+    }
+
     /// Whether [`Physics::input`] changes anything.
     fn acts_on_input(&self) -> bool {
         false
@@ -230,6 +236,8 @@ pub trait Effect: Send + Sync {
     fn coupling_jet(&self, x: &Motion<Jet>, p: &[Jet]) -> Option<Coupling<Jet>>;
     /// [`Physics::coupling`] with symbols.
     fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>>;
+    /// [`Physics::exceeds_noise`].
+    fn exceeds_noise(&self, m: &[[f64; 2]], noise: [f64; 2], p: &[f64]) -> bool;
     /// Whether it changes the input.
     fn acts_on_input(&self) -> bool;
     /// [`Physics::is_delay`].
@@ -332,6 +340,9 @@ impl<P: Physics> Effect for P {
     }
     fn coupling_symbolic(&self, x: &Motion<Symbol>, p: &[Symbol]) -> Option<Coupling<Symbol>> {
         Physics::coupling(self, x, p)
+    }
+    fn exceeds_noise(&self, m: &[[f64; 2]], noise: [f64; 2], p: &[f64]) -> bool {
+        Physics::exceeds_noise(self, m, noise, p)
     }
     fn acts_on_input(&self) -> bool {
         Physics::acts_on_input(self)

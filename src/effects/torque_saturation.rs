@@ -12,6 +12,10 @@ use crate::math::Real;
 #[derive(Clone, Debug, Default)]
 pub struct TorqueSaturation;
 
+/// Root mean square by which recorded torques exceed a limit, in standard deviations of their noise, above which noise is
+/// no explanation (judgement: that of noise alone is one).
+const BEYOND: f64 = 2.0;
+
 impl Physics for TorqueSaturation {
     fn description(&self) -> Description {
         Description {
@@ -55,8 +59,39 @@ impl Physics for TorqueSaturation {
         true
     }
 
+    /// If the torque was limited before it was recorded, the recorded one exceeds the limit by noise alone, whose half
+    /// above the limit has the mean square of all noise.
+    fn exceeds_noise(&self, m: &[[f64; 2]], noise: [f64; 2], p: &[f64]) -> bool {
+        (0..2).any(|i| {
+            let beyond = m.iter().map(|row| row[i].abs() - p[0]).filter(|beyond| *beyond > 0.0);
+            let (square, count) = beyond.fold((0.0, 0.0), |(s, n), b| (s + b * b, n + 1.0));
+            square > count * (BEYOND * noise[i]).powi(2)
+        })
+    }
+
     fn input<T: Real>(&self, _t: &[f64], m: &[[T; 2]], p: &[T]) -> Option<Vec<[T; 2]>> {
         let clip = |m: T| m.max(-p[0]).min(p[0]);
         Some(m.iter().map(|row| row.map(clip)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    #[test]
+    fn a_torque_that_was_limited_before_it_was_recorded_exceeds_the_limit_by_noise_alone() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let asked = |k: i32| 2.0 * (0.01 * f64::from(k)).sin();
+        let mut of = |real: fn(f64) -> f64| -> Vec<[f64; 2]> {
+            let mut noisy = |m: f64| m + 0.014 * Distribution::<f64>::sample(&StandardNormal, &mut rng);
+            (0..4000).map(|k| [noisy(real(asked(k))); 2]).collect()
+        };
+        let (limited, unlimited) = (of(|m| m.clamp(-1.6, 1.6)), of(|m| m));
+        let exceeds = |m: &[[f64; 2]]| TorqueSaturation.exceeds_noise(m, [0.014; 2], &[1.6]);
+        assert!(!exceeds(&limited) && exceeds(&unlimited));
     }
 }

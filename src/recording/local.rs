@@ -11,8 +11,8 @@ use wide::f64x2;
 
 use self::agreement::{Agreement, Fit, Fits};
 use self::corner::{Corner, Corners, around};
-pub(super) use self::response::Response;
 use self::source::Source;
+use super::response::Neighbourhoods;
 use super::{LocalMotion, Measured, MotionNoise, Recording};
 
 /// Half width of the widest neighbourhood \[s\], and its limits in samples.
@@ -76,19 +76,6 @@ impl Recording {
         [0, 1].into_iter().for_each(|i| fits.write(i, &mut out));
         out.omega_variance
     }
-}
-
-/// The neighbourhoods of the rows of a recording.
-#[derive(Clone, Debug)]
-struct Neighbourhoods {
-    /// Half widths of all but the widest, ascending.
-    narrower: Vec<usize>,
-    widest: usize,
-    /// See [`weights`].
-    weights: [f64x2; 2],
-    /// Noise of the angles, if they alone were measured: rows that repeat the last value, and counts that hide the speed,
-    /// show no corner.
-    angles_alone: Option<[f64; 2]>,
 }
 
 impl Neighbourhoods {

@@ -17,6 +17,7 @@ mod quality;
 mod recording;
 mod refresh;
 mod regime;
+mod response;
 mod sensing;
 mod standstill;
 

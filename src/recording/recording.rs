@@ -7,7 +7,7 @@ use super::channels::{Channels, Measured, MostNoise, MotionNoise, Noise, Sensing
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::pieces;
-use super::local::Response;
+use super::response::Response;
 use super::{DriveUnit, LocalMotion, RecordingError};
 use crate::math::median_step;
 

@@ -164,7 +164,7 @@ fn reason(why: Withheld) -> String {
         }
         Withheld::Small => "its size does not differ significantly from zero",
         Withheld::Idle => {
-            "it does not act in the held-out recordings, which therefore do not test it"
+            "it does not act in the held-out recordings by more than noise of their input, so that they do not test it"
         }
         Withheld::Short { windows, parameters } => {
             return format!(
@@ -305,7 +305,7 @@ mod tests {
         };
         assert!(
             sentence(&DiagnosisStudy { verdict: Verdict::ModelSufficient, ..idle })
-                .ends_with("which therefore do not test it.")
+                .ends_with("so that they do not test it.")
         );
     }
 

@@ -2,7 +2,7 @@
 
 use super::formula::residual_torques;
 use crate::compare::{Residual, intervals};
-use crate::diagnose::{WindowFit, cutoff, mobility};
+use crate::diagnose::{THRESHOLDS, WindowFit, cutoff, mobility};
 use crate::recording::Recording;
 use crate::simulate::{Hold, halved};
 use crate::study::Events;
@@ -25,7 +25,7 @@ pub(super) fn events(fit: &WindowFit, recordings: &[&Recording], hold: Hold) -> 
     let all: Vec<Residual> = rows
         .map(|((t, torque), (even, odd))| Residual { t, torque, halves: [even, odd] })
         .collect();
-    let intervals = intervals(&all);
+    let intervals = intervals(&all, THRESHOLDS.structure_of_blocks);
     let names = recordings.iter().map(|r| r.name().to_owned()).collect();
     (!intervals.is_empty()).then_some(Events { intervals, names })
 }

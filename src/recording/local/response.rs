@@ -5,12 +5,12 @@ use std::ops::Range;
 use nalgebra::{Matrix2, Vector2};
 use wide::f64x2;
 
+use super::Parabolas;
 use super::corner::around;
 use super::source::Source;
-use super::{Neighbourhoods, Parabolas};
 use crate::math::mean;
-use crate::recording::motion::Start;
-use crate::recording::{LocalMotion, Recording};
+use crate::recording::response::{Acts, Neighbourhoods, Response};
+use crate::recording::{LocalMotion, Recording, Start};
 
 /// Rows from which the response is estimated (cost: five neighbourhoods each).
 const ROWS: usize = 500;
@@ -19,43 +19,6 @@ const ROWS: usize = 500;
 const ERRORS: f64 = 3.0;
 /// Rows to either side that corners of the angles need.
 const CORNERS: usize = 4;
-
-/// How the speeds of a recording follow changes of its input within a neighbourhood.
-#[derive(Clone, Debug)]
-pub(in crate::recording) struct Response {
-    neighbourhoods: Neighbourhoods,
-    /// Acceleration of each wheel by the input of each wheel [rad/s² per unit of the input].
-    gain: [[f64; 2]; 2],
-    /// When the input of a row acts.
-    acts: Acts,
-    /// Mean square error of the speeds by what is left of the shape of the motion [rad^2/s^2].
-    curvature: [f64; 2],
-}
-
-/// When the input of a row acts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Acts {
-    /// Linearly between the rows.
-    #[default]
-    Between,
-    /// From the row to the next one.
-    After,
-    /// From the row before to this one.
-    Before,
-}
-
-impl Acts {
-    const ALL: [Self; 3] = [Self::Between, Self::After, Self::Before];
-
-    /// Mean input between row `n` and the next one.
-    fn mean(self, m: &[[f64; 2]], n: usize, i: usize) -> f64 {
-        match self {
-            Self::Between => 0.5 * (m[n][i] + m[n + 1][i]),
-            Self::After => m[n][i],
-            Self::Before => m[n + 1][i],
-        }
-    }
-}
 
 impl Recording {
     /// Initial state of a simulation from row `k`, with the mean square error of its speeds.
@@ -68,7 +31,7 @@ impl Recording {
     /// ω - G ∫M dt,  α - G ∬M dt:  parabolas as of the local motion, ∫ from row k
     /// ```
     /// G, by wheels, makes a neighbourhood of half the width agree best with the widest one, least squares over at most
-    /// 500 rows; it is zero unless the shape of the motion causes the larger part of the error of the local motion. What is left of the
+    /// 500 rows; it is zero unless the shape of the motion causes the larger part of the error of the local motion, and G lowers it. What is left of the
     /// disagreement is part of the error, see [`Agreement::curvature`](super::agreement::Agreement::curvature).
     #[must_use]
     pub fn start_at(&self, k: usize) -> Start {
@@ -106,8 +69,14 @@ impl Response {
         };
         let gain = [0, 1].map(|i| if exceeds[i] { fit[i].gain } else { [0.0; 2] });
         let found = Self { gain, acts, ..none };
-        let curvature = found.left(recording, &rows).map(|left| left.shape);
-        Self { curvature, ..found }
+        let beside = found.left(recording, &rows);
+        // noise of the input may add more than its changes explain
+        let lowers = [0, 1].map(|i| beside[i].shape < bare[i].shape);
+        let of = |i: usize| {
+            if lowers[i] { (gain[i], beside[i].shape) } else { ([0.0; 2], bare[i].shape) }
+        };
+        let [right, left] = [of(0), of(1)];
+        Self { gain: [right.0, left.0], curvature: [right.1, left.1], ..found }
     }
 
     /// Angles and speeds around row `k` without what changes of the input cause.
