@@ -3,12 +3,12 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::channels::{Channels, Measured, MostNoise, MotionNoise, Noise, Sensing, SlowNoise};
+use super::channels::{Channels, Measured, Noise, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::pieces;
-use super::response::Response;
-use super::{DriveUnit, LocalMotion, RecordingError};
+use super::kept::Kept;
+use super::{DriveUnit, RecordingError};
 use crate::math::median_step;
 
 /// A checked recording: finite values, strictly increasing time, both angles and speeds. Copies share the rows.
@@ -41,23 +41,6 @@ pub struct Recording {
     kept: Arc<Kept>,
     /// [`Recording::input_jumps`], computed on first use; copies with the same motion and input share it.
     kept_jumps: Arc<OnceLock<[f64; 2]>>,
-}
-
-/// Results that depend on the angles, the speeds and the noise of their sensors only.
-#[derive(Debug, Default)]
-pub(super) struct Kept {
-    /// [`Recording::local_motion`].
-    pub(super) local_motion: OnceLock<Vec<LocalMotion>>,
-    /// [`Recording::response`], with the input of the first copy.
-    pub(super) response: OnceLock<Response>,
-    /// [`Recording::motion_noise`].
-    pub(super) motion_noise: OnceLock<MotionNoise>,
-    /// `one_step::most_noise` with the input of the first copy for which it is computed.
-    pub(super) most_noise: OnceLock<MostNoise>,
-    /// [`Recording::sensing`].
-    pub(super) sensing: OnceLock<Sensing>,
-    /// [`Recording::top_speed`].
-    top_speed: OnceLock<f64>,
 }
 
 impl Recording {

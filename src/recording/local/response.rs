@@ -31,8 +31,8 @@ impl Recording {
     /// ω - G ∫M dt,  α - G ∬M dt:  parabolas as of the local motion, ∫ from row k
     /// ```
     /// G, by wheels, makes a neighbourhood of half the width agree best with the widest one, least squares over at most
-    /// 500 rows; it is zero unless the shape of the motion causes the larger part of the error of the local motion, and G lowers it. What is left of the
-    /// disagreement is part of the error, see [`Agreement::curvature`](super::agreement::Agreement::curvature).
+    /// 500 rows; it is zero unless the shape of the motion causes the larger part of the error of the local motion, and G
+    /// lowers it. What is left of the disagreement is part of the error, as for an acceleration that steps.
     #[must_use]
     pub fn start_at(&self, k: usize) -> Start {
         let Some(piece) = self.piece_of(k) else { return Start::default() };
