@@ -92,9 +92,9 @@ impl Judge {
         Ok(Judgement { ise: errors.iter().map(|(ise, _)| ise).sum(), window_rms: square.sqrt() })
     }
 
-    /// Whether the effect `id` of a fit changes the judged simulations, by more than noise of the input. A limit of the input that the judged recordings
-    /// do not reach may lower their error through the other parameters alone, which the recordings that reach it have
-    /// biased.
+    /// Whether the effect `id` of a fit changes the judged simulations, by more than noise of the input. A limit of the
+    /// input that the judged recordings do not reach may lower their error through the other parameters alone, which the
+    /// recordings that reach it have biased.
     #[must_use]
     pub fn acts(&self, fit: &WindowFit, id: &str) -> bool {
         let Some(e) = fit.place_of(id) else { return false };
