@@ -87,7 +87,8 @@ mod tests {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let asked = |k: i32| 2.0 * (0.01 * f64::from(k)).sin();
         let mut of = |real: fn(f64) -> f64| -> Vec<[f64; 2]> {
-            let mut noisy = |m: f64| m + 0.014 * Distribution::<f64>::sample(&StandardNormal, &mut rng);
+            let mut noisy =
+                |m: f64| m + 0.014 * Distribution::<f64>::sample(&StandardNormal, &mut rng);
             (0..4000).map(|k| [noisy(real(asked(k))); 2]).collect()
         };
         let (limited, unlimited) = (of(|m| m.clamp(-1.6, 1.6)), of(|m| m));
