@@ -10,7 +10,7 @@ use crate::math::trapezoid;
 use crate::recording::{Recording, Start};
 use crate::robot::State;
 use crate::simulate::{
-    Dynamics, Hold, Realisation, SimulateError, Speeds, WINDOW, every_other, speeds_of_realisations,
+    Dynamics, Hold, Realisation, SimulateError, Speeds, WINDOW, speeds_of_realisations,
 };
 
 /// Number of noise realisations.
@@ -81,7 +81,7 @@ impl<'a> Runs<'a> {
         if hold == Hold::Constant {
             return Ok((Self::new(dynamics, recording, hold, reach)?, Apart::default()));
         }
-        let [even, odd] = [0, 1].map(|phase| every_other(recording, recorded, phase));
+        let [even, odd] = [0, 1].map(|phase| recording.half_rate_input(phase).into_owned());
         let inputs = [recorded.to_vec(), even, odd];
         let (runs, halves) = Self::with_inputs(dynamics, recording, hold, reach, &inputs)?;
         let apart = runs.mean(&halves);

@@ -157,8 +157,7 @@ pub(super) fn later<T: Real>(t: &[f64], m: &[[T; 2]], shift: T) -> Vec<[T; 2]> {
 /// A recording whose input acts `shift` seconds later; one that is held between the rows by the mean over each row.
 #[must_use]
 pub fn with_later_input(recording: &Recording, shift: f64, hold: Hold) -> Recording {
-    let torque = recording.torque();
-    recording.with_interpolated_torque(match hold {
+    recording.with_interpolated_torque(|torque| match hold {
         Hold::Linear => shifted(recording, torque, shift),
         Hold::Constant => held_later(recording, torque, shift),
     })

@@ -54,11 +54,13 @@ pub(super) fn line_with_means<T: Real>(
 /// the next, at `shift` = -h the one from the row before.
 #[must_use]
 pub fn with_line_of_means(recording: &Recording, shift: f64) -> Recording {
-    let of = |piece: &std::ops::Range<usize>| {
-        let (t, m) = (&recording.t()[piece.clone()], &recording.torque()[piece.clone()]);
-        line_with_means(t, m, shift, recording.step())
-    };
-    recording.with_interpolated_torque(recording.pieces().iter().flat_map(of).collect())
+    recording.with_interpolated_torque(|recorded| {
+        let of = |piece: &std::ops::Range<usize>| {
+            let (t, m) = (&recording.t()[piece.clone()], &recorded[piece.clone()]);
+            line_with_means(t, m, shift, recording.step())
+        };
+        recording.pieces().iter().flat_map(of).collect()
+    })
 }
 
 #[cfg(test)]

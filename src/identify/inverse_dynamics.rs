@@ -16,7 +16,6 @@ use super::weak::longest_motion;
 use super::{Fit, IdentifyError, Note, Task, Unsupported};
 use crate::math::clustered_covariance;
 use crate::recording::Recording;
-use crate::simulate::every_other;
 
 /// Length of the blocks within which residuals may be correlated \[s\]: the longest that leaves enough
 /// blocks.
@@ -278,7 +277,7 @@ impl<'a> Regression<'a> {
     pub(super) fn halved(&self) -> DVector<f64> {
         let halved = |phase: usize| {
             let source = |r: &Recording| Source {
-                input: every_other(r, r.torque(), phase),
+                input: r.half_rate_input(phase).into_owned(),
                 ..Source::measured(r)
             };
             self.rows_of(&self.task.train.iter().map(source).collect::<Vec<_>>()).1

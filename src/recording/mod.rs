@@ -6,6 +6,7 @@ mod derived;
 mod drive_unit;
 mod error;
 mod gaps;
+mod half_rate;
 mod kept;
 mod limits;
 mod lines;

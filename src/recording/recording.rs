@@ -31,6 +31,8 @@ pub struct Recording {
     most_noise: Option<Noise>,
     /// Noise of the input before interpolation, if it has been interpolated [unit of the input].
     recorded_input_noise: Option<[f64; 2]>,
+    /// The even and the odd rows of the input before interpolation, interpolated likewise, if it has been interpolated.
+    half_rate: Option<[Arc<[[f64; 2]]>; 2]>,
     /// Share of the differences of the input from row to row that is noise.
     noise_of_jumps: f64,
     /// Autocorrelated noise of the input, right wheel first.
@@ -93,6 +95,7 @@ impl Recording {
             reach,
             most_noise: None,
             recorded_input_noise: None,
+            half_rate: None,
             noise_of_jumps: 1.0,
             slow_input_noise: [SlowNoise::default(); 2],
             input_time_error: 0.0,
@@ -213,7 +216,7 @@ impl Recording {
         assert_eq!(torque.len(), self.len(), "one row of the input a sample");
         // that of the recorded input, whichever copy asks first
         self.response();
-        Self { torque: torque.into(), kept_jumps: Arc::default(), ..self.clone() }
+        Self { torque: torque.into(), half_rate: None, kept_jumps: Arc::default(), ..self.clone() }
     }
 
     /// The same recording with other speeds; angles that were not measured are integrated from them.
@@ -237,14 +240,20 @@ impl Recording {
     }
 
     /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
-    /// between neighbouring rows, but not the integrated noise, so the noise level is kept.
+    /// between neighbouring rows, but neither the integrated noise nor what is unknown between the recorded rows:
+    /// the noise level is kept, and [`Recording::half_rate_input`] is that of the recorded rows, interpolated likewise.
     ///
     /// # Panics
-    /// If the length differs.
+    /// If `interpolate` returns another number of rows than it is given.
     #[must_use]
-    pub fn with_interpolated_torque(&self, torque: Vec<[f64; 2]>) -> Self {
+    pub fn with_interpolated_torque(
+        &self,
+        interpolate: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
+    ) -> Self {
         let recorded_input_noise = Some(self.input_jumps());
-        Self { recorded_input_noise, ..self.with_torque(torque) }
+        let half_rate = Some([0, 1].map(|phase| interpolate(&self.half_rate_input(phase)).into()));
+        let whole = self.with_torque(interpolate(&self.torque));
+        Self { recorded_input_noise, half_rate, ..whole }
     }
 
     /// Sets the share (0 to 1, of the standard deviation) of the differences of the input from row to row,
@@ -287,6 +296,16 @@ impl Recording {
         self.recorded_input_noise
     }
 
+    /// The input, shared.
+    pub(super) fn shared_torque(&self) -> Arc<[[f64; 2]]> {
+        self.torque.clone()
+    }
+
+    /// The even and the odd rows of an input that has been interpolated.
+    pub(super) fn half_rate(&self) -> Option<&[Arc<[[f64; 2]]>; 2]> {
+        self.half_rate.as_ref()
+    }
+
     /// Sets an upper bound for the noise of angles and speeds.
     pub fn set_most_noise(&mut self, noise: Noise) {
         self.most_noise = Some(noise);
@@ -320,13 +339,22 @@ impl Recording {
             t: self.t[range.clone()].to_vec(),
             alpha: self.measured.alpha.then(|| self.alpha[range.clone()].to_vec()),
             omega: self.measured.omega.then(|| self.omega[range.clone()].to_vec()),
-            torque: self.torque[range].to_vec(),
+            torque: self.torque[range.clone()].to_vec(),
         };
         let cut = Self::new(&*self.name, channels, self.drive_unit)?;
+        let of_range = |rows: &Arc<[[f64; 2]]>| rows[range.clone()].into();
+        let half_rate = self.half_rate.as_ref().map(|both| both.each_ref().map(of_range));
         let Self {
             recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..
         } = *self;
-        Ok(Self { recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..cut })
+        Ok(Self {
+            recorded_input_noise,
+            half_rate,
+            noise_of_jumps,
+            slow_input_noise,
+            input_time_error,
+            ..cut
+        })
     }
 }
 

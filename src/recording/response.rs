@@ -1,5 +1,7 @@
 //! What a recording keeps for the initial states of simulations.
 
+use std::sync::Arc;
+
 use wide::f64x2;
 
 /// The neighbourhoods of the rows of a recording.
@@ -19,6 +21,9 @@ pub(super) struct Neighbourhoods {
 #[derive(Clone, Debug)]
 pub(super) struct Response {
     pub(super) neighbourhoods: Neighbourhoods,
+    /// The recorded input: a copy of the recording with another one has the same initial states, because it has the same
+    /// motion.
+    pub(super) input: Arc<[[f64; 2]]>,
     /// Acceleration of each wheel by the input of each wheel [rad/s² per unit of the input].
     pub(super) gain: [[f64; 2]; 2],
     /// When the input of a row acts.

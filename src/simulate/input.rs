@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::{Real, interpolate_wheels};
+use crate::math::Real;
 use crate::model::ModelError;
 use crate::recording::{Recording, RecordingError};
 
@@ -31,28 +31,9 @@ pub enum Hold {
 /// is proportional to the square of the interval, so it is 1/(4 - 1) of the difference.
 pub const BETWEEN_ROWS: f64 = 1.0 / 3.0;
 
-/// A signal of a recording with only the even (`phase` 0) or odd rows, the others replaced by linear
-/// interpolation between their neighbours. This is also used for a held input: holding the previous row would
-/// delay it by half a row on average.
-pub(crate) fn every_other(
-    recording: &Recording,
-    signal: &[[f64; 2]],
-    phase: usize,
-) -> Vec<[f64; 2]> {
-    let t = recording.t();
-    let mut out = signal.to_vec();
-    for piece in recording.pieces() {
-        for k in piece.clone().filter(|k| k % 2 == phase && *k > piece.start && k + 1 < piece.end) {
-            let ends = [t[k - 1], t[k + 1]];
-            out[k] = interpolate_wheels(ends, [signal[k - 1], signal[k + 1]], t[k]);
-        }
-    }
-    out
-}
-
-/// A recording with only every other row of its input ([`every_other`]).
+/// A recording with only every other row of its input ([`Recording::half_rate_input`]).
 pub(crate) fn halved(recording: &Recording, phase: usize) -> Recording {
-    recording.with_torque(every_other(recording, recording.torque(), phase))
+    recording.with_torque(recording.half_rate_input(phase).into_owned())
 }
 
 /// A `signal` that is held from each row to the next, `shift` seconds later: its mean over each row, so that its

@@ -33,7 +33,7 @@ pub(crate) use forcing::LANES;
 pub use friction::{Contact, contact};
 pub use fuzzy_dynamics::FuzzyDynamics;
 pub use input::{BETWEEN_ROWS, Hold, Input, SimulateError, Structure};
-pub(crate) use input::{at_rows, every_other, halved, held_later, impulse, mean_later};
+pub(crate) use input::{at_rows, halved, held_later, impulse, mean_later};
 pub use movement::{Movement, Reference, Segment};
 pub(crate) use recorder::Drive;
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};

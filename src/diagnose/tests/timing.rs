@@ -1,6 +1,8 @@
 //! The time of the input against known shifts of it.
 
 use super::*;
+use crate::compare::unresolved;
+use crate::simulate::PhysicalDynamics;
 
 /// The recording with an input that is recorded `late` seconds before it acts, and otherwise as it was.
 fn recorded_before(recording: &Recording, late: f64) -> Recording {
@@ -114,6 +116,23 @@ fn an_input_that_was_interpolated_keeps_the_noise_of_its_rows() {
     // between the rows the mean of four remains, whose fourth differences lack what is fastest
     let plain = recording.with_torque(moved.torque().to_vec()).noise().torque;
     assert!(plain[0] < 0.6 * before[0], "{plain:?} {before:?}");
+}
+
+#[test]
+fn an_input_that_was_interpolated_keeps_what_is_unknown_between_its_rows() {
+    // a controller that compensates friction steps within a row at every reversal
+    let recording = recorded(&[], NoiseLevel { torque: 0.0, ..NOISE }, 18);
+    let model = Model::base(Robot::amigobot());
+    let dynamics = PhysicalDynamics { p: model.initial(), model };
+    let unknown =
+        |r: &Recording| unresolved(&dynamics, std::slice::from_ref(r), Hold::Linear).unwrap();
+    let moved = with_later_input(&recording, 0.004, Hold::Linear);
+    let ratio = unknown(&moved) / unknown(&recording);
+    // the starts of the windows are the same; a shift by a part of a row moves its end effects only
+    assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    // of the interpolated rows themselves a part is left, because they are already means of neighbours
+    let plain = unknown(&recording.with_torque(moved.torque().to_vec())) / unknown(&recording);
+    assert!(plain < 0.6, "{plain}");
 }
 
 #[test]

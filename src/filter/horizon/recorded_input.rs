@@ -6,7 +6,7 @@ use crate::filter::prepare::Prepared;
 use crate::math::mean;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::simulate::{Ends, Hold, every_other, held_later};
+use crate::simulate::{Ends, Hold, held_later};
 
 /// Half width of the average of the input in derivatives \[s\], and its smallest number of rows: longer than
 /// the response of a wheel's speed controller.
@@ -43,7 +43,7 @@ impl RecordedInput {
         }
         let acts = by_parameter.iter().any(|d| !d.is_empty());
         let acting = match reading {
-            Reading::HalfRate(phase) => every_other(r, &whole, phase),
+            Reading::HalfRate(phase) => model.input_of(r, &r.half_rate_input(phase), p),
             Reading::Later => held_later(r, &whole, r.input_time_error()),
             _ => whole,
         };

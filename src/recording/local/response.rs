@@ -43,7 +43,8 @@ impl Recording {
         out[0].start(*curvature)
     }
 
-    /// The response of the speeds to the input, computed once; copies of the recording with another input share it.
+    /// The response of the speeds to the recorded input, computed once; copies of the recording with another input share
+    /// it.
     pub(in crate::recording) fn response(&self) -> &Response {
         self.kept().response.get_or_init(|| Response::of(self))
     }
@@ -53,7 +54,8 @@ impl Response {
     fn of(recording: &Recording) -> Self {
         let neighbourhoods = Neighbourhoods::of(recording);
         let (gain, acts, curvature) = ([[0.0; 2]; 2], Acts::default(), [0.0; 2]);
-        let none = Self { neighbourhoods, gain, acts, curvature };
+        let input = recording.shared_torque();
+        let none = Self { neighbourhoods, input, gain, acts, curvature };
         // corners of the angles already stand for steps of the input, and their roughness is part of the variance
         if none.neighbourhoods.angles_alone.is_some() {
             return none;
@@ -89,7 +91,7 @@ impl Response {
             return Source::measured(recording);
         }
         let rows = self.neighbourhoods.reach(piece, k);
-        let [alpha, omega] = integrals(recording, &rows, k, self.acts);
+        let [alpha, omega] = integrals((recording.t(), &self.input), &rows, k, self.acts);
         let of = |measured: &[[f64; 2]], by_input: Vec<[f64; 2]>| {
             let pairs = measured[rows.clone()].iter().zip(by_input);
             let beside = |(x, m): (&[f64; 2], [f64; 2])| {
@@ -157,14 +159,13 @@ impl Neighbourhoods {
     }
 }
 
-/// Double and single integral of the input over `rows`, both zero at row `k`, of each wheel.
+/// Double and single integral of an input with its times over `rows`, both zero at row `k`, of each wheel.
 fn integrals(
-    recording: &Recording,
+    (t, m): (&[f64], &[[f64; 2]]),
     rows: &Range<usize>,
     k: usize,
     acts: Acts,
 ) -> [Vec<[f64; 2]>; 2] {
-    let (t, m) = (recording.t(), recording.torque());
     let count = rows.len();
     let (mut double, mut single) = (vec![[0.0; 2]; count], vec![[0.0; 2]; count]);
     let at = k - rows.start;
@@ -219,7 +220,8 @@ impl Fit {
             };
             let of_speeds = apart(&measured, weights);
             let rows = neighbourhoods.reach(piece, k);
-            let [double, single] = integrals(recording, &rows, k, acts);
+            let input = (recording.t(), recording.torque());
+            let [double, single] = integrals(input, &rows, k, acts);
             let by_input = Source::other(recording, rows.start, double, single);
             for (i, sums) in sums.iter_mut().enumerate() {
                 // both inputs weighted as the speeds of this wheel
@@ -339,6 +341,17 @@ mod tests {
         assert!(beside < 0.7 * bare, "{beside} {bare}");
         // an error in proportion to the width is assumed, the largest that a smoother one can be
         assert!((0.3..1.2).contains(&stated), "{stated}");
+    }
+
+    #[test]
+    fn a_start_is_the_same_whatever_input_is_tried() {
+        let (recording, _) = driven();
+        let later = recording.torque().iter().skip(3).copied().chain([[0.0; 2]; 3]).collect();
+        let other = recording.with_torque(later);
+        assert!(recording.response().gain != [[0.0; 2]; 2]);
+        for k in (200..3800).step_by(400) {
+            assert_eq!(other.start_at(k), recording.start_at(k));
+        }
     }
 
     #[test]

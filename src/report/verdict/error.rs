@@ -40,14 +40,15 @@ pub(super) fn words(errors: &Errors, found: usize, named: &str) -> String {
     }
 }
 
-/// An error above the floor compared with the speed, or with what can cause it: if the noise is small, the ratio to the
+/// What can cause an error above the floor, or the error compared with the speed: if the noise is small, the ratio to the
 /// floor exaggerates it.
 fn in_perspective(errors: &Errors) -> String {
-    match errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() {
-        true => {
+    match caused(errors) {
+        Some(cause) => format!(", {cause}"),
+        None if errors.ratio() > THRESHOLDS.above_floor && !errors.above_floor() => {
             format!("; the excess is {} of the top speed", format::percent(errors.excess()))
         }
-        false => caused(errors).map_or_else(String::new, |cause| format!(", {cause}")),
+        None => String::new(),
     }
 }
 
