@@ -1,11 +1,53 @@
 //! The input at half the rate of the log, which shows what is unknown between its rows.
 
 use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
 
 use super::Recording;
 use crate::math::interpolate_wheels;
 
+/// What is kept of the recorded input of a recording with an interpolated one.
+#[derive(Clone, Debug)]
+pub(super) struct Interpolated {
+    /// Noise of the recorded input [unit of the input].
+    pub(super) noise: [f64; 2],
+    /// The even and the odd recorded rows, interpolated likewise; `None` after a change of the input.
+    half_rate: Option<[Arc<[[f64; 2]]>; 2]>,
+}
+
+impl Interpolated {
+    /// What remains if the input is replaced by another one.
+    pub(super) fn of_other_input(&self) -> Self {
+        Self { noise: self.noise, half_rate: None }
+    }
+
+    /// Of a range of the rows.
+    pub(super) fn cut(&self, range: Range<usize>) -> Self {
+        let cut = |rows: &Arc<[[f64; 2]]>| rows[range.clone()].into();
+        let half_rate = self.half_rate.as_ref().map(|both| both.each_ref().map(cut));
+        Self { noise: self.noise, half_rate }
+    }
+}
+
 impl Recording {
+    /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
+    /// between neighbouring rows, but neither the integrated noise nor what is unknown between the recorded rows:
+    /// the noise level is kept, and so are the even and the odd recorded rows, interpolated likewise, of which the noise
+    /// floor contains the difference.
+    ///
+    /// # Panics
+    /// If `interpolate` returns another number of rows than it is given.
+    #[must_use]
+    pub fn with_interpolated_torque(
+        &self,
+        interpolate: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
+    ) -> Self {
+        let half_rate = [0, 1].map(|phase| interpolate(&self.half_rate_input(phase)).into());
+        let kept = Interpolated { noise: self.input_jumps(), half_rate: Some(half_rate) };
+        self.with_torque(interpolate(self.torque())).with_interpolated(kept)
+    }
+
     /// A signal of the recording with only the even (`phase` 0) or odd rows, the others replaced by linear interpolation
     /// between their neighbours; the ends of every piece are kept. This is also used for a held input: holding the
     /// previous row would delay it by half a row on average.
@@ -26,7 +68,7 @@ impl Recording {
     /// recorded, the even or odd recorded rows have been interpolated likewise: those of the result are already means of
     /// neighbours, and omitting every other one of them changes less than omitting recorded ones.
     pub(crate) fn half_rate_input(&self, phase: usize) -> Cow<'_, [[f64; 2]]> {
-        match self.half_rate() {
+        match self.interpolated().and_then(|recorded| recorded.half_rate.as_ref()) {
             Some(both) => Cow::Borrowed(&both[phase]),
             None => Cow::Owned(self.every_other(self.torque(), phase)),
         }

@@ -97,7 +97,7 @@ impl Recording {
     /// with the same input share it.
     #[must_use]
     pub fn input_jumps(&self) -> [f64; 2] {
-        let known = self.recorded_input_noise();
+        let known = self.interpolated().map(|recorded| recorded.noise);
         known.unwrap_or_else(|| *self.kept_jumps().get_or_init(|| self.estimate_input_jumps()))
     }
 

@@ -7,6 +7,7 @@ use super::channels::{Channels, Measured, Noise, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::pieces;
+use super::half_rate::Interpolated;
 use super::kept::Kept;
 use super::{DriveUnit, RecordingError};
 use crate::math::median_step;
@@ -29,10 +30,8 @@ pub struct Recording {
     reach: usize,
     /// Upper bound of the sensor noise, from other recordings of the same sensors.
     most_noise: Option<Noise>,
-    /// Noise of the input before interpolation, if it has been interpolated [unit of the input].
-    recorded_input_noise: Option<[f64; 2]>,
-    /// The even and the odd rows of the input before interpolation, interpolated likewise, if it has been interpolated.
-    half_rate: Option<[Arc<[[f64; 2]]>; 2]>,
+    /// What is kept of the recorded input, if it has been interpolated since.
+    interpolated: Option<Interpolated>,
     /// Share of the differences of the input from row to row that is noise.
     noise_of_jumps: f64,
     /// Autocorrelated noise of the input, right wheel first.
@@ -94,8 +93,7 @@ impl Recording {
             step,
             reach,
             most_noise: None,
-            recorded_input_noise: None,
-            half_rate: None,
+            interpolated: None,
             noise_of_jumps: 1.0,
             slow_input_noise: [SlowNoise::default(); 2],
             input_time_error: 0.0,
@@ -216,7 +214,18 @@ impl Recording {
         assert_eq!(torque.len(), self.len(), "one row of the input a sample");
         // that of the recorded input, whichever copy asks first
         self.response();
-        Self { torque: torque.into(), half_rate: None, kept_jumps: Arc::default(), ..self.clone() }
+        let interpolated = self.interpolated.as_ref().map(Interpolated::of_other_input);
+        Self { torque: torque.into(), interpolated, kept_jumps: Arc::default(), ..self.clone() }
+    }
+
+    /// What is kept of the recorded input, if it has been interpolated since.
+    pub(super) fn interpolated(&self) -> Option<&Interpolated> {
+        self.interpolated.as_ref()
+    }
+
+    /// The same recording with an input of which this is kept.
+    pub(super) fn with_interpolated(self, interpolated: Interpolated) -> Self {
+        Self { interpolated: Some(interpolated), ..self }
     }
 
     /// The same recording with other speeds; angles that were not measured are integrated from them.
@@ -237,23 +246,6 @@ impl Recording {
         let moved = |a: &[f64; 2]| [a[0] + later[0], a[1] + later[1]];
         let alpha = self.alpha.iter().map(moved).collect();
         Self { alpha, ..self.anew() }
-    }
-
-    /// The same recording with its input interpolated between its rows. Interpolation reduces the differences
-    /// between neighbouring rows, but neither the integrated noise nor what is unknown between the recorded rows:
-    /// the noise level is kept, and [`Recording::half_rate_input`] is that of the recorded rows, interpolated likewise.
-    ///
-    /// # Panics
-    /// If `interpolate` returns another number of rows than it is given.
-    #[must_use]
-    pub fn with_interpolated_torque(
-        &self,
-        interpolate: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
-    ) -> Self {
-        let recorded_input_noise = Some(self.input_jumps());
-        let half_rate = Some([0, 1].map(|phase| interpolate(&self.half_rate_input(phase)).into()));
-        let whole = self.with_torque(interpolate(&self.torque));
-        Self { recorded_input_noise, half_rate, ..whole }
     }
 
     /// Sets the share (0 to 1, of the standard deviation) of the differences of the input from row to row,
@@ -292,18 +284,9 @@ impl Recording {
         self.input_time_error
     }
 
-    pub(super) fn recorded_input_noise(&self) -> Option<[f64; 2]> {
-        self.recorded_input_noise
-    }
-
     /// The input, shared.
     pub(super) fn shared_torque(&self) -> Arc<[[f64; 2]]> {
         self.torque.clone()
-    }
-
-    /// The even and the odd rows of an input that has been interpolated.
-    pub(super) fn half_rate(&self) -> Option<&[Arc<[[f64; 2]]>; 2]> {
-        self.half_rate.as_ref()
     }
 
     /// Sets an upper bound for the noise of angles and speeds.
@@ -342,19 +325,9 @@ impl Recording {
             torque: self.torque[range.clone()].to_vec(),
         };
         let cut = Self::new(&*self.name, channels, self.drive_unit)?;
-        let of_range = |rows: &Arc<[[f64; 2]]>| rows[range.clone()].into();
-        let half_rate = self.half_rate.as_ref().map(|both| both.each_ref().map(of_range));
-        let Self {
-            recorded_input_noise, noise_of_jumps, slow_input_noise, input_time_error, ..
-        } = *self;
-        Ok(Self {
-            recorded_input_noise,
-            half_rate,
-            noise_of_jumps,
-            slow_input_noise,
-            input_time_error,
-            ..cut
-        })
+        let interpolated = self.interpolated.as_ref().map(|i| i.cut(range));
+        let Self { noise_of_jumps, slow_input_noise, input_time_error, .. } = *self;
+        Ok(Self { interpolated, noise_of_jumps, slow_input_noise, input_time_error, ..cut })
     }
 }
 
