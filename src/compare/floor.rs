@@ -59,6 +59,7 @@ impl WindowFloor {
 /// For a smooth input it is a ninth of H, and for changes within a row that return it is all of H. The rows
 /// do not determine which case applies; H is the upper bound. An input that is held between its rows is known
 /// there, and H is zero.
+/// Of an input that was interpolated since it was recorded, for example shifted, the rows are the recorded ones.
 /// For an input with independent noise, omitting every other row changes the simulation by as much as the
 /// noise does, so H includes N. `dynamics` represents the correct model; any similar model can be used,
 /// because only the differences of simulations enter.

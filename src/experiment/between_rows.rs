@@ -29,7 +29,8 @@ pub(super) fn note_unknown_course(plan: &mut Plan) {
         if !changes_at_rows(hold, timing, step) {
             continue;
         }
-        let kind = Kind::OneSampleARow { half_row_s: 0.5 * step };
+        let held = hold == Hold::Constant;
+        let kind = Kind::OneSampleARow { half_row_s: 0.5 * step, held };
         let found = |i| Finding { channel: Channel::Input(i), kind, action: Action::Noted };
         m.conditioning.extend([0, 1].map(found));
     }

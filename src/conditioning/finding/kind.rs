@@ -163,6 +163,8 @@ pub enum Kind<C = usize, R = f64> {
     OneSampleARow {
         /// Half a row, by which the motion follows the samples later \[s\].
         half_row_s: R,
+        /// Whether the input is simulated as held from row to row.
+        held: bool,
     },
     /// An input that the experiment file describes as held from row to row and that changes between the rows, as
     /// determined from the motion.
@@ -364,7 +366,7 @@ impl Kind {
             Self::LowPass { time_s, .. } => ("low_pass", time_s, "s"),
             Self::HeldInput => ("held_input", 1.0, "rows"),
             Self::RowMeans { middle_s } => ("row_means", middle_s, "s"),
-            Self::OneSampleARow { half_row_s } => ("one_sample_a_row", half_row_s, "s"),
+            Self::OneSampleARow { half_row_s, .. } => ("one_sample_a_row", half_row_s, "s"),
             Self::StepsBetweenRows => ("steps_between_rows", 1.0, "rows"),
             Self::LostRows { rows } => ("lost_rows", rows as f64, "rows"),
             Self::Phase { shift_s, .. } => ("phase", shift_s, "s"),

@@ -192,12 +192,17 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             "{name} is held from row to row, but its values in {} that the logger lost are unknown",
             one(rows, "row")
         ),
-        Kind::OneSampleARow { half_row_s } => format!(
-            "{name} acts half a row late or is held. If it is read half a row before the sensors, its time is known and \
-             nothing is lost. If it changes at the rows, its course between them is not recorded: a current that the drive \
-             regulates is constant there; that of a motor under a constant voltage falls as the motor gains speed, and a1 \
-             and a2 are then too large by the share of {} in the mechanical time constant of the motor, which their intervals \
-             do not contain (record the voltages, or more rows)",
+        Kind::OneSampleARow { half_row_s, held } => format!(
+            "{name} {}, its course between them is not recorded: a current that the drive regulates is constant there; that \
+             of a motor under a constant voltage falls as the motor gains speed, and a1 and a2 are then too large by the \
+             share of {} in the mechanical time constant of the motor, which their intervals do not contain (record the \
+             voltages, or more rows)",
+            if held {
+                "has one sample a row. If it changes at the rows"
+            } else {
+                "acts half a row late or is held. If it is read half a row before the sensors, its time is known and nothing \
+                 is lost. If it changes at the rows"
+            },
             ms(half_row_s)
         ),
         Kind::HeldInput => format!(
