@@ -6,7 +6,7 @@ use super::custom::add;
 use super::error::ExperimentError;
 use super::execute::{execute, load};
 use super::index::write_index;
-use super::options::RunOptions;
+use super::options::{Done, RunOptions};
 use super::plan::Plan;
 use crate::io::{check_writable, read_text, write_whole};
 
@@ -42,10 +42,8 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     };
     let had_delay =
         before.diagnosis.is_none() && before.late().is_some() && shifts(&before, effect);
-    let first = execute(before, &options).result?;
     write_whole(file, document.to_string().as_bytes())?;
-    let second = load(file, &[]).and_then(|plan| execute(plan, &options).result);
-    let second = match second {
+    let (first, second, alike) = match both(before, effect, file, &options) {
         Ok(done) => done,
         Err(e) => {
             write_whole(file, text.as_bytes())?;
@@ -56,13 +54,46 @@ pub fn add_effect(effect: &str, file: &Path, out: &Path) -> Result<String, Exper
     let (before, after) = (first.error, second.error);
     Ok(format!(
         "added {effect} to {}\n2 s simulation error {before:.4} -> {after:.4} rad/s ({}), noise floor {:.4} \
-         rad/s\n{}\nreport: {}\n",
+         rad/s\n{}{}\nreport: {}\n",
         file.display(),
         if had_delay { in_place_of_delay(effect) } else { change(effect, before, after) },
         second.floor,
+        if alike { read_with(effect) } else { String::new() },
         second.verdict,
         second.report.display()
     ))
+}
+
+/// The runs without and with the effect that `file` now contains, and whether the first one uses the recordings as they
+/// are read for the second: conditioning compares models of sensors by how well the motion is explained, and what a
+/// model lacks may look like a filter of a sensor. Errors on recordings that are read differently are not comparable.
+fn both(
+    mut before: Plan,
+    effect: &str,
+    file: &Path,
+    options: &RunOptions,
+) -> Result<(Done, Done, bool), ExperimentError> {
+    let after = load(file, &[])?;
+    // the time of the input is divided between logging and an effect that shifts it
+    let alike = !shifts(&before, effect) && !are_read_alike(&before, &after);
+    if alike {
+        (before.hold, before.timing) = (after.hold, after.timing.clone());
+        before.recordings.clone_from(&after.recordings);
+    }
+    Ok((execute(before, options).result?, execute(after, options).result?, alike))
+}
+
+/// Whether the recordings of two plans are those of the same files with the same corrections.
+fn are_read_alike(a: &Plan, b: &Plan) -> bool {
+    let pairs = a.recordings.iter().zip(&b.recordings);
+    a.hold == b.hold && pairs.into_iter().all(|(a, b)| a.conditioning == b.conditioning)
+}
+
+/// How the recordings of both runs are read.
+fn read_with(effect: &str) -> String {
+    format!(
+        "both on the recordings as corrected with {effect} in the model; without it the corrections differ\n"
+    )
 }
 
 /// Whether an effect shifts the input in time.
