@@ -169,7 +169,7 @@ pub enum Kind<C = usize, R = f64> {
     /// An input that the experiment file describes as held from row to row and that changes between the rows, as
     /// determined from the motion.
     StepsBetweenRows,
-    /// Rows that the logger lost, during which an input is held at values that were not recorded.
+    /// Rows that are missing, lost by the logger or left out, during which an input is held at values that are not used.
     LostRows {
         /// How many.
         rows: C,

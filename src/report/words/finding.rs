@@ -189,7 +189,8 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
              scatter over the row (the controller runs faster than the log, or beside it)"
         ),
         Kind::LostRows { rows } => format!(
-            "{name} is held from row to row, but its values in {} that the logger lost are unknown",
+            "{name} is held from row to row, but its values in {} missing between them (lost by the logger, or left out by \
+             another correction) are not used",
             one(rows, "row")
         ),
         Kind::OneSampleARow { half_row_s, held } => format!(
