@@ -7,6 +7,7 @@ mod drive_unit;
 mod error;
 mod gaps;
 mod half_rate;
+mod interpolated;
 mod kept;
 mod limits;
 mod lines;

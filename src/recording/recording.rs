@@ -7,7 +7,7 @@ use super::channels::{Channels, Measured, Noise, SlowNoise};
 use super::check::check;
 use super::derived::{integrate, reach, slopes};
 use super::gaps::pieces;
-use super::half_rate::Interpolated;
+use super::interpolated::Interpolated;
 use super::kept::Kept;
 use super::{DriveUnit, RecordingError};
 use crate::math::median_step;
