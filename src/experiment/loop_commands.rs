@@ -77,7 +77,7 @@ fn both(
     // the time of the input is divided between logging and an effect that shifts it
     let alike = !shifts(&before, effect) && !are_read_alike(&before, &after);
     if alike {
-        (before.hold, before.timing) = (after.hold, after.timing.clone());
+        (before.hold, before.timing) = (after.hold, after.timing);
         before.recordings.clone_from(&after.recordings);
     }
     Ok((execute(before, options).result?, execute(after, options).result?, alike))
