@@ -7,7 +7,8 @@
 //! e_k = (alpha_k - alpha_(k-1)) - median of the increments of the rows around k
 //! ```
 //! Steps of one and the same size are the period of a wrap (a turn, a half, 2^n counts), others are
-//! resets of the counter, unless the angle returns within a few rows: then the samples between are wrong.
+//! resets of the counter, unless the angle returns within a few rows: then the samples between are wrong. The steps
+//! differ by as much as the increments around them do: a fast wheel accelerates.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -154,22 +155,38 @@ fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
     (after - before - by).abs() < 0.5 * by.abs()
 }
 
-/// The period of the steps, if they have one: a known one within 2 %, or one on which three steps and the
-/// range of the angle agree.
+/// The period of the steps, if they have one: a known one, within 2 % and what the motion contributes to the steps, or
+/// one on which three steps and the range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     let size = median_high(steps.iter().map(|(_, by)| by.abs()));
-    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ANGLES.same_step;
-    if !steps.iter().all(|(_, by)| alike(by.abs(), size)) {
-        return None;
-    }
     let range = range(values);
+    let increments = increments(values);
+    let moved = |k: usize| spread(&increments, k, ANGLES.wraps * range);
+    let moves = |period: f64| steps.iter().all(|(k, _)| moved(*k) < 0.5 * ANGLES.wraps * period);
+    let are_alike = |period: f64| {
+        let most = |k: usize| ANGLES.same_step * period + moved(k);
+        steps.iter().all(|(k, by)| (by.abs() - period).abs() < most(*k))
+    };
     // no counter has less than six bits
     let counts = quantum(values).map(|q| (q, (size / q).log2().round()));
     let counts =
         counts.filter(|(_, bits)| *bits >= ANGLES.counter_bits).map(|(q, bits)| q * bits.exp2());
-    let known = [Some(TAU), Some(0.5 * TAU), Some(2.0 * TAU), counts];
-    let known = known.into_iter().flatten().find(|p| alike(size, *p) && range < 1.05 * p);
-    known.or_else(|| (steps.len() >= 3 && range < 1.05 * size).then_some(size))
+    let mut known = [Some(TAU), Some(0.5 * TAU), Some(2.0 * TAU), counts].into_iter().flatten();
+    let known = known.find(|p| range < 1.05 * p && moves(*p) && are_alike(*p));
+    let alike = |by: f64| (by.abs() / size - 1.0).abs() < ANGLES.same_step;
+    let is_one = || steps.len() >= 3 && range < 1.05 * size && steps.iter().all(|s| alike(s.1));
+    known.or_else(|| is_one().then_some(size))
+}
+
+/// Difference between the largest and the smallest increment around a row, of those that do not wrap: by so much the
+/// motion of the row itself, which a step contains, may differ from the median around it.
+fn spread(increments: &[f64], k: usize, wraps: f64) -> f64 {
+    let from = k.saturating_sub(AROUND + 1);
+    let near = &increments[from..(k + AROUND).min(increments.len())];
+    let ordinary = || near.iter().copied().filter(|d| d.abs() < wraps);
+    let (least, most) =
+        (ordinary().fold(f64::INFINITY, f64::min), ordinary().fold(f64::NEG_INFINITY, f64::max));
+    (most - least).max(0.0)
 }
 
 #[cfg(test)]
@@ -210,6 +227,26 @@ mod tests {
                     assert!(worst < 1.01 * quantum, "{period} {low} {i}: {worst}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn an_angle_that_wraps_every_few_rows_is_unwrapped() {
+        // from rest to four rows a turn within a dozen rows, read to 0.1 degrees, in either direction
+        let speed = |k: usize| 1.5 * (1.0 - (-(k as f64) / 4.0).exp());
+        for sign in [1.0, -1.0] {
+            let rest = [2.687; 20].into_iter();
+            let driven = (0..200).scan(2.687, |angle, k| {
+                *angle += sign * (speed(k) + 0.1 * (0.7 * k as f64).sin());
+                Some(*angle)
+            });
+            let truth: Vec<f64> = rest.chain(driven).collect();
+            let quantum = 0.1_f64.to_radians();
+            let wrap = |x: &f64| [((x / quantum).round() * quantum).rem_euclid(TAU); 2];
+            let found =
+                conditioned(truth.iter().map(wrap).collect(), 0.007).channels.alpha.unwrap();
+            let worst = found.iter().zip(&truth).map(|(a, b)| (a[0] - b).abs()).fold(0.0, f64::max);
+            assert!(worst < quantum, "{sign}: {worst}");
         }
     }
 

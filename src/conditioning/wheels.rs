@@ -167,6 +167,26 @@ mod tests {
     }
 
     #[test]
+    fn a_wheel_that_leaves_its_rest_against_a_step_of_its_input_has_a_wrong_sign() {
+        // 0.3 s at rest, then a step; the regression of the constant input does not determine the inertia
+        for (seconds, sign) in [(1.0, -1.0), (6.0, -1.0), (6.0, 1.0)] {
+            let t: Vec<f64> = (0..(100.0 * seconds) as u32).map(|k| 0.01 * f64::from(k)).collect();
+            let speed = |t: f64| 20.0 * (1.0 - (-(t - 0.3).max(0.0) / 0.05).exp());
+            let omega: Vec<[f64; 2]> = t.iter().map(|&t| [sign * speed(t); 2]).collect();
+            let torque: Vec<[f64; 2]> = t.iter().map(|&t| [f64::from(t > 0.3); 2]).collect();
+            let channels = Channels { alpha: None, omega: Some(omega), torque, t };
+            let done = condition(channels, &Settings::default(), &Context::default()).unwrap();
+            let found = done.findings.iter().filter(|f| f.kind == Kind::Opposing).count();
+            assert_eq!(
+                found,
+                if sign < 0.0 { 2 } else { 0 },
+                "{seconds} {sign}: {:?}",
+                done.findings
+            );
+        }
+    }
+
+    #[test]
     fn of_a_wheel_that_counts_backwards_the_sensors_are_turned() {
         // both wheels ahead together, the left one counted backwards
         let together = |c: &mut Channels| {

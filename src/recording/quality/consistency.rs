@@ -45,7 +45,8 @@ pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
 
 /// Whether an input opposes the acceleration and has negative work: its sign is then wrong, because friction and
 /// inertia require positive work. In few windows it is the work that shows it: nothing gains speed from rest while its
-/// motor brakes nearly always, but a wheel that rolls down a slope against a constant brake.
+/// motor brakes nearly always, but a wheel that rolls down a slope against a constant brake; that one does not rest
+/// [before its input begins](is_at_rest_undriven).
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let Some(fit) = simple_fit(windows, i, i) else { return false };
     let power = || windows.iter().map(|w| w.torque[i] * w.speed[i]);
@@ -53,8 +54,22 @@ pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let chance = t_survival(-fit.inertia / fit.std_error, (fit.windows - COEFFICIENTS) as f64);
     let top = quantile(windows.iter().map(|w| w.speed[i]), 1.0);
     let starts = windows.first().is_some_and(|w| w.speed[i].abs() < AT_REST * top);
-    let brakes = fit.windows < 3 * FEWEST && starts && work < -BRAKES * most;
-    work < 0.0 && (chance < CHANCE || brakes && chance < SLOPE)
+    let brakes = starts && work < -BRAKES * most;
+    let is_brake_excluded =
+        fit.windows < 3 * FEWEST && chance < SLOPE || is_at_rest_undriven(windows, i);
+    work < 0.0 && (chance < CHANCE || brakes && is_brake_excluded)
+}
+
+/// Whether a wheel is at rest until its input begins, which is not smaller than that of the other wheel: by its inertia
+/// and friction it starts in the direction of the input, and on a slope friction held it already. One that is turned by
+/// the other wheel, or pushed against a controller, moves with the smaller input or before it.
+fn is_at_rest_undriven(windows: &[Window], i: usize) -> bool {
+    let top = quantile(windows.iter().map(|w| w.speed[i]), 1.0);
+    let largest = |i: usize| quantile(windows.iter().map(|w| w.torque[i]), 1.0);
+    let is_driven = |w: &Window| w.torque[i].abs() > AT_REST * largest(i);
+    let before = windows.iter().position(is_driven).unwrap_or(0);
+    let at_rest = windows[..before].iter().all(|w| w.size[i] < AT_REST * top);
+    before > 0 && at_rest && largest(i) >= largest(1 - i)
 }
 
 /// Whether a wheel moves, but in too few windows for the test of its input's sign.
