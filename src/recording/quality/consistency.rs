@@ -48,16 +48,18 @@ pub(crate) fn exchanged_input(windows: &[Window]) -> bool {
 /// motor brakes nearly always, but a wheel that rolls down a slope against a constant brake; that one does not rest
 /// [before its input begins](is_at_rest_undriven).
 pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
-    let Some(fit) = simple_fit(windows, i, i) else { return false };
     let power = || windows.iter().map(|w| w.torque[i] * w.speed[i]);
     let (work, most): (f64, f64) = (power().sum(), power().map(f64::abs).sum());
-    let chance = t_survival(-fit.inertia / fit.std_error, (fit.windows - COEFFICIENTS) as f64);
     let top = quantile(windows.iter().map(|w| w.speed[i]), 1.0);
     let starts = windows.first().is_some_and(|w| w.speed[i].abs() < AT_REST * top);
     let brakes = starts && work < -BRAKES * most;
-    let is_brake_excluded =
-        fit.windows < 3 * FEWEST && chance < SLOPE || is_at_rest_undriven(windows, i);
-    work < 0.0 && (chance < CHANCE || brakes && is_brake_excluded)
+    if brakes && is_at_rest_undriven(windows, i) {
+        return true;
+    }
+    let Some(fit) = simple_fit(windows, i, i) else { return false };
+    let chance = t_survival(-fit.inertia / fit.std_error, (fit.windows - COEFFICIENTS) as f64);
+    let is_short = fit.windows < 3 * FEWEST;
+    work < 0.0 && (chance < CHANCE || brakes && is_short && chance < SLOPE)
 }
 
 /// Whether a wheel is at rest until its input begins, which is not smaller than that of the other wheel: by its inertia
