@@ -15,7 +15,8 @@ const NEGLIGIBLE: f64 = 1e-4;
 const INCOMPLETE: f64 = 4.0;
 
 /// Ratio (0 to 1) of the maximum-likelihood noise of the input for a model at `p` to the noise estimated
-/// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter.
+/// from the input's differences, [`Recording::input_jumps`]; 1 unless the innovations reject the latter, and where these
+/// differences show no noise.
 ///
 /// A held command, and a controller that responds to the counts of an encoder, change from row to row like
 /// noise, but the robot follows them. Where the innovations show more than this noise, a slow torque beside it stands for
@@ -29,6 +30,11 @@ pub fn noise_of_jumps(model: &Model, p: &[f64], recordings: &[&Recording], hold:
     let prepared = recordings.iter().map(|r| prepare(r)).collect();
     let likelihood =
         Likelihood { prepared, hold, slow_moment: false, timing: false, step_scatter: 1.0 };
+    // a share of nothing: the search would cost more than the fit
+    let negligible = NEGLIGIBLE * likelihood.torque_rms();
+    if likelihood.prepared.iter().all(|p| p.torque_noise <= negligible) {
+        return 1.0;
+    }
     let seen = likelihood.initial_noise();
     let is_command = |r: &&Recording| r.drive_unit() == DriveUnit::Volt;
     if hold == Hold::Constant && recordings.iter().all(is_command) {
