@@ -30,7 +30,7 @@ use crate::math::median;
 use crate::model::{Model, inverse_mass};
 use crate::recording::{Recording, Start};
 use crate::robot::State;
-use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Hold, LANES, follow_part, halved};
+use crate::simulate::{ActingInput, Asked, BETWEEN_ROWS, Follower, Hold, LANES, halved};
 
 /// Recordings cut into windows.
 #[derive(Clone)]
@@ -238,6 +238,8 @@ impl<'a> Windows<'a> {
         let acting: Vec<_> =
             self.recordings.par_iter().map(|r| input_derivatives(model, r, p)).collect();
         let stride = (p.len() + 4).next_multiple_of(LANES);
+        let begin = |r: &&Recording| Follower::new(model, p, r.t()[0], Asked::Parameters);
+        let followers: Vec<Follower> = self.recordings.iter().map(begin).collect();
         let first_ones = free.iter().enumerate().all(|(n, &j)| n == j);
         self.windows
             .par_iter()
@@ -280,7 +282,7 @@ impl<'a> Windows<'a> {
                         true
                     };
                     let part = (rows.clone(), window.start);
-                    follow_part(model, p, &input, part, Asked::Parameters, visit).ok()
+                    followers[r].clone().follow(&input, part, visit).ok()
                 })
             })
             .collect()

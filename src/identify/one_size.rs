@@ -31,17 +31,25 @@ fn sizes(
 ) -> [Option<f64>; 2] {
     let inputs: Vec<Vec<[f64; 2]>> = recordings.iter().map(input).collect();
     [0, 1].map(|i| {
-        // input and acceleration along the motion
-        let along = |(r, input): (&Recording, &Vec<[f64; 2]>)| {
+        // recording, row and sense of the rows in which the wheel moves
+        let moving = |(n, r): (usize, &Recording)| {
             let rest = REST * r.top_speed();
-            let moving = (0..r.len()).filter(|&k| r.omega()[k][i].abs() > rest);
-            let of = |k: usize| [input[k][i], r.local_motion()[k].acceleration[i]];
-            moving.map(|k| of(k).map(|v| v * r.omega()[k][i].signum())).collect::<Vec<_>>()
+            let speeds = r.omega().iter().map(|omega| omega[i]).enumerate();
+            let moving = speeds.filter(|(_, speed)| speed.abs() > rest);
+            moving.map(|(k, speed)| (n, k, speed.signum())).collect::<Vec<_>>()
         };
-        let rows: Vec<[f64; 2]> = recordings.iter().zip(&inputs).flat_map(along).collect();
-        let Moments { mean, variance, .. } = Moments::of(rows.iter().map(|row| row[0]));
+        let rows: Vec<(usize, usize, f64)> =
+            recordings.iter().enumerate().flat_map(moving).collect();
+        // both along the motion
+        let input = |&(n, k, sense): &(usize, usize, f64)| inputs[n][k][i] * sense;
+        let acceleration = |&(n, k, sense): &(usize, usize, f64)| {
+            recordings[n].local_motion()[k].acceleration[i] * sense
+        };
+        let Moments { mean, variance, .. } = Moments::of(rows.iter().map(input));
         let is_one = mean > 0.0 && variance.sqrt() < ONE * mean;
-        let follows = || correlation(rows.iter().map(|[m, a]| (*m, *a))) > FOLLOWS;
+        // the accelerations of all rows are computed for few recordings only
+        let follows =
+            || correlation(rows.iter().map(|row| (input(row), acceleration(row)))) > FOLLOWS;
         (is_one && !follows()).then_some(mean)
     })
 }

@@ -32,6 +32,7 @@ const DIFFERENCE: f64 = 1e-3;
 pub(super) const CLEARLY: f64 = 1.0 - 1e-9;
 
 /// A model with parameter values, ready to be integrated.
+#[derive(Clone)]
 pub(super) struct Forces<'m> {
     pub(super) model: &'m Model,
     pub(super) p: &'m [f64],
@@ -49,6 +50,7 @@ pub(super) struct Forces<'m> {
 }
 
 /// The second mass of a two-mass drivetrain.
+#[derive(Clone)]
 pub(super) struct Behind<'m> {
     pub(super) coupling: (&'m dyn Effect, &'m [f64]),
     pub(super) body: Sum<'m>,

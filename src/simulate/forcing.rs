@@ -21,6 +21,7 @@ pub(crate) const LANES: usize = 8;
 pub(super) type Pair = [[f64; LANES]; 2];
 
 /// The compiled derivatives.
+#[derive(Clone)]
 pub(super) struct Forcing {
     groups: Vec<Group>,
     /// The friction signs for which the constants are valid.

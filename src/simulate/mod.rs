@@ -37,7 +37,7 @@ pub(crate) use input::{at_rows, halved, held_later, impulse, mean_later};
 pub use movement::{Movement, Reference, Segment};
 pub(crate) use recorder::Drive;
 pub use recorder::{NoiseLevel, Recorder, record, record_disturbed};
-pub(crate) use sensitivity::{ActingInput, Asked, follow, follow_part};
+pub(crate) use sensitivity::{ActingInput, Asked, Follower, follow};
 pub use sensitivity::{Sensitivities, simulate_with_sensitivities};
 pub use simulation::simulate;
 pub(crate) use simulation::{WINDOW, simulate_windows};

@@ -84,10 +84,10 @@ pub(crate) fn follow(
     let (acting, derivatives) = model.input_derivatives(input.t, input.torque, p);
     let (t, hold) = (input.t, input.hold);
     let acting = ActingInput { t, acting: &acting, derivatives: &derivatives, hold };
-    follow_part(model, p, &acting, (0..t.len(), start), Asked::All, visit)
+    Follower::new(model, p, t[0], Asked::All).follow(&acting, (0..t.len(), start), visit)
 }
 
-/// Columns computed by [`follow_part`].
+/// Columns computed by a [`Follower`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Asked {
     /// Columns of the parameters and of the initial state.
@@ -109,43 +109,57 @@ pub(crate) struct ActingInput<'a> {
     pub(crate) hold: Hold,
 }
 
-/// [`follow`] over a range of rows, from a state at the first of them; rows are counted from it. The model
-/// must not have a two-mass drivetrain.
-///
-/// # Errors
-/// As [`simulate`].
-pub(crate) fn follow_part(
-    model: &Model,
-    p: &[f64],
-    input: &ActingInput,
-    (range, start): (std::ops::Range<usize>, State),
-    asked: Asked,
-    visit: Visit,
-) -> Result<(), SimulateError> {
-    let mut stepper = Stepper::new(model, p, input.t[0], start);
-    let variation = Variation::new(stepper.forces());
-    let mut variation = match asked {
-        Asked::All => variation,
-        Asked::Parameters => variation.without_start(),
-    };
-    if !visit(0, &start, variation.values()) {
-        return Ok(());
-    }
-    let moved = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
-    let moved: Vec<(usize, &[[f64; 2]])> = moved.map(|(j, d)| (j, &d[..])).collect();
-    for k in range.start + 1..range.end {
-        let last = match input.hold {
-            Hold::Linear => k,
-            Hold::Constant => k - 1,
+/// A simulation with derivatives that is about to begin: what depends on the parameters alone, and not on the initial
+/// state or on the input, is computed once for all parts of a recording that a copy follows.
+#[derive(Clone)]
+pub(crate) struct Follower<'m> {
+    stepper: Stepper<'m>,
+    variation: Variation,
+}
+
+impl<'m> Follower<'m> {
+    /// The model must not have a two-mass drivetrain. Time-dependent effects are relative to `t0` \[s\], the first row.
+    pub(crate) fn new(model: &'m Model, p: &'m [f64], t0: f64, asked: Asked) -> Self {
+        let stepper = Stepper::new(model, p, t0, State::default());
+        let variation = Variation::new(stepper.forces());
+        let variation = match asked {
+            Asked::All => variation,
+            Asked::Parameters => variation.without_start(),
         };
-        variation.next_input(moved.iter().map(|(j, d)| (*j, [d[k - 1], d[last]])));
-        let (from, to) = (input.t[k - 1], input.t[k]);
-        stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
-        if !visit(k - range.start, &stepper.state(), variation.values()) {
-            break;
-        }
+        Self { stepper, variation }
     }
-    Ok(())
+
+    /// [`follow`] over a range of rows, from a state at the first of them; rows are counted from it.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub(crate) fn follow(
+        self,
+        input: &ActingInput,
+        (range, start): (std::ops::Range<usize>, State),
+        visit: Visit,
+    ) -> Result<(), SimulateError> {
+        let Self { mut stepper, mut variation } = self;
+        stepper.begin(input.t[0], start);
+        if !visit(0, &start, variation.values()) {
+            return Ok(());
+        }
+        let moved = input.derivatives.iter().enumerate().filter(|(_, d)| !d.is_empty());
+        let moved: Vec<(usize, &[[f64; 2]])> = moved.map(|(j, d)| (j, &d[..])).collect();
+        for k in range.start + 1..range.end {
+            let last = match input.hold {
+                Hold::Linear => k,
+                Hold::Constant => k - 1,
+            };
+            variation.next_input(moved.iter().map(|(j, d)| (*j, [d[k - 1], d[last]])));
+            let (from, to) = (input.t[k - 1], input.t[k]);
+            stepper.advance(from, to, &input.acting[k - 1], &input.acting[last], &mut variation)?;
+            if !visit(k - range.start, &stepper.state(), variation.values()) {
+                break;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Central differences, for models with internal states that have no variational equation here.

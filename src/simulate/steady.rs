@@ -5,6 +5,7 @@ use crate::effects::Coupling;
 use crate::model::inverse_mass;
 
 /// A coupling between constant masses.
+#[derive(Clone)]
 pub(super) struct Steady {
     pub(super) coupling: Coupling<f64>,
     /// One over the inertia on the measured side.

@@ -63,6 +63,7 @@ impl StepObserver for () {
 }
 
 /// The integrator: a model with parameters, and its present state.
+#[derive(Clone)]
 pub(super) struct Stepper<'m> {
     forces: Forces<'m>,
     y: Vector,
@@ -73,8 +74,15 @@ pub(super) struct Stepper<'m> {
 impl<'m> Stepper<'m> {
     pub(super) fn new(model: &'m Model, p: &'m [f64], t0: f64, start: State) -> Self {
         let (forces, y) = (Forces::new(model, p, t0), at_rest_within(start));
-        let rate = (forces.damping_rate(t0, &y), FASTER * fastest(&y));
-        Self { forces, y, rate }
+        let mut stepper = Self { forces, y, rate: (0.0, 0.0) };
+        stepper.begin(t0, start);
+        stepper
+    }
+
+    /// Starts anew from a state; time-dependent effects remain relative to the same `t0`.
+    pub(super) fn begin(&mut self, t0: f64, start: State) {
+        self.y = at_rest_within(start);
+        self.rate = (self.forces.damping_rate(t0, &self.y), FASTER * fastest(&self.y));
     }
 
     pub(super) fn forces(&self) -> &Forces<'m> {

@@ -8,6 +8,7 @@ type Placed<'m> = (&'m dyn Effect, &'m [f64]);
 
 /// The sum of effects: constant terms are already added, polynomials of the speeds are combined into one, and
 /// only terms that vary in another way are evaluated at every instant.
+#[derive(Clone)]
 pub(super) struct Sum<'m> {
     pub(super) constant: Terms<f64>,
     /// Without its constant, which is included in the terms above.

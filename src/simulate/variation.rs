@@ -16,6 +16,7 @@ const FIRM: f64 = 0.5;
 
 /// The present sensitivities. Their columns are the parameters, the initial speeds and the initial angles: if
 /// nothing depends on the angles, those of the angles are constant.
+#[derive(Clone)]
 pub(super) struct Variation {
     /// Derivatives of (alpha1, alpha2, omega1, omega2), each a row of all columns, padded with zeros to a multiple
     /// of [`LANES`].
