@@ -9,7 +9,9 @@ use self::kind::{Kind, split};
 use self::look::Looked;
 use super::error::ExperimentError;
 use super::file::hold_rows;
-use super::guess::{Lengths, Written, file_text, guess, in_a_line, mark_varying};
+use super::guess::{
+    Lengths, Written, add_recording, file_text, guess, in_a_line, is_direction, mark_varying,
+};
 use super::no_motion::NoMotion;
 use super::unrepaired::limit;
 use crate::io::{IoError, parts, preview, stated_period, write_whole};
@@ -59,13 +61,16 @@ pub(super) struct Draft {
 pub(super) fn draft(recordings: &[PathBuf], folder: &Path) -> Result<Draft, ExperimentError> {
     let recordings = with_parts(recordings)?;
     let mut columns = preview(&recordings[0])?;
+    // a recording that cannot be read is refused below
+    let others = || recordings[1..].iter().flat_map(|r| preview(r));
+    if columns.iter().any(is_direction) {
+        // a recording may drive in one direction alone
+        others().for_each(|r| add_recording(&mut columns, &r));
+    }
     let mut guess = guess(&columns);
     if !guess.has_input() && recordings.len() > 1 {
-        // an input may be constant in every recording and differ between them; one that cannot be read is refused below
-        recordings[1..]
-            .iter()
-            .flat_map(|r| preview(r))
-            .for_each(|r| mark_varying(&mut columns, &r));
+        // an input may be constant in every recording and differ between them
+        others().for_each(|r| mark_varying(&mut columns, &r));
         guess = self::guess(&columns);
     }
     let mut remarks = vec![];

@@ -19,6 +19,10 @@ pub struct PreviewColumn {
     pub texts: Vec<String>,
     /// Whether it holds one value in this recording and another one in a recording beside it.
     pub varies: bool,
+    /// Values and words in the other recordings of the experiment, one after the other.
+    pub elsewhere: Vec<f64>,
+    /// See `elsewhere`.
+    pub words_elsewhere: Vec<String>,
 }
 
 /// All columns of a file with their values.

@@ -2,7 +2,8 @@
 
 use super::guessed::{Guess, Guessed};
 use super::names::{Side, named};
-use super::values::{is_constant, is_never_negative, values_of};
+use super::samples::{all_values, all_words};
+use super::values::{is_constant, is_never_negative};
 use crate::io::PreviewColumn;
 use crate::math::quantile;
 
@@ -28,6 +29,9 @@ const BACK: [&str; 13] = [
     "rw",
     "rwd",
 ];
+/// Cell contents of a motor that is driven neither way.
+const NEITHER: [&str; 10] =
+    ["n", "neutral", "s", "stop", "stopped", "halt", "idle", "brake", "coast", "off"];
 /// Share of the work of an input above which it drives its wheel in the stated direction.
 const DRIVES: f64 = 0.2;
 /// Share of the steps of an angle that are no wraps, and ratio to the largest of them above which a step is a wrap.
@@ -43,7 +47,7 @@ struct Direction {
     words: Vec<String>,
 }
 
-/// The directions of a log.
+/// The directions of a log, from all its recordings: one of them may drive forward only.
 pub(super) struct Directions(Vec<Direction>);
 
 impl Directions {
@@ -72,14 +76,14 @@ impl Directions {
 
     /// Adds to magnitudes the columns of their directions and the value for backward, or the question for it.
     pub(super) fn give(&self, columns: &[PreviewColumn], guess: &mut Guess) {
-        let of = |name: &str| values_of(columns, name);
+        let of = |name: &str| columns.iter().find(|c| c.name == name).map_or(vec![], all_values);
         let is_magnitude = |one: &Guessed| {
             let values = of(&one.name);
-            !is_constant(values) && is_never_negative(values)
+            !is_constant(&values) && is_never_negative(&values)
         };
         let speed = |c: &Guessed| match c.key {
-            "dalpha1" | "dalpha2" if !is_magnitude(c) => Some((c.key, of(&c.name).to_vec())),
-            "alpha1" | "alpha2" => Some((c.key, steps(of(&c.name)))),
+            "dalpha1" | "dalpha2" if !is_magnitude(c) => Some((c.key, of(&c.name))),
+            "alpha1" | "alpha2" => Some((c.key, steps(&of(&c.name)))),
             _ => None,
         };
         let speeds: Vec<(&str, Vec<f64>)> = guess.columns.iter().filter_map(speed).collect();
@@ -92,7 +96,7 @@ impl Directions {
             let wheel = one.key.trim_start_matches(|c: char| !c.is_ascii_digit());
             let speed = speeds.iter().find(|(key, _)| key.ends_with(wheel)).map(|(_, v)| &v[..]);
             one.sign = Some(d.name.clone());
-            match d.backward(of(&one.name), speed.filter(|_| one.key.starts_with('M'))) {
+            match d.backward(&of(&one.name), speed.filter(|_| one.key.starts_with('M'))) {
                 Some((word, why)) => {
                     one.backward = word;
                     one.evidence.push(why);
@@ -180,16 +184,29 @@ fn steps(angle: &[f64]) -> Vec<f64> {
     all.into_iter().map(|x| if x.abs() > WRAP * usual { 0.0 } else { x }).collect()
 }
 
-fn direction(column: &PreviewColumn) -> Option<Direction> {
-    let name = named(&column.name);
+/// Whether a column is a direction by its name.
+pub(in crate::experiment) fn is_direction(column: &PreviewColumn) -> bool {
     let says = |w: &String| [&DIRECTIONS[..], &FORWARDS, &BACKWARDS].concat().contains(&w.as_str());
-    let has_two = column.words.len() == 2 || distinct(&column.values).len() == 2;
-    (name.rest.iter().any(says) && has_two).then(|| Direction {
+    named(&column.name).rest.iter().any(says)
+}
+
+fn direction(column: &PreviewColumn) -> Option<Direction> {
+    if !is_direction(column) {
+        return None;
+    }
+    let values = all_values(column);
+    let mut words = all_words(column);
+    words.retain(|w| !NEITHER.contains(&w.to_lowercase().as_str()));
+    if values.iter().any(|v| v.is_finite()) {
+        words.clear();
+    }
+    let name = named(&column.name);
+    (words.len() == 2 || distinct(&values).len() == 2).then(|| Direction {
         name: column.name.clone(),
         side: name.side,
         rest: name.rest,
-        values: column.values.clone(),
-        words: column.words.clone(),
+        values,
+        words,
     })
 }
 
@@ -249,6 +266,41 @@ mod tests {
             (Some("dirA"), Some("1"))
         );
         assert!(!g.asked().contains("backward"), "{}", g.asked());
+    }
+
+    #[test]
+    fn the_recordings_of_an_experiment_show_the_direction_together() {
+        use super::super::add_recording;
+        let way = |forward: bool, word: &str| {
+            let sign = if forward { 1.0 } else { -1.0 };
+            let dir = PreviewColumn { words: vec![word.into()], ..column("dir", |_| f64::NAN) };
+            vec![
+                column("t", |t| t),
+                column("rpm", |t| sign * 90.0 * (0.3 * t).sin().abs()),
+                column("pwm", |t| 200.0 * (0.3 * t).sin().abs()),
+                if word.is_empty() { column("dir", |_| f64::from(u8::from(forward))) } else { dir },
+            ]
+        };
+        let found = |all: &[Vec<PreviewColumn>]| {
+            let mut columns = all[0].clone();
+            all[1..].iter().for_each(|other| add_recording(&mut columns, other));
+            let g = guess(&columns);
+            assert!(!g.asked().contains("backward"), "{}", g.asked());
+            (input(&g).sign.clone(), input(&g).backward.clone())
+        };
+        let (dir, back) = (Some("dir".to_string()), Some("R".to_string()));
+        let [ahead, reverse, rest] = [way(true, "F"), way(false, "R"), way(true, "N")];
+        for all in [
+            [ahead.clone(), reverse.clone(), rest.clone()],
+            [rest.clone(), reverse.clone(), ahead.clone()],
+            [reverse, rest.clone(), ahead.clone()],
+        ] {
+            assert_eq!(found(&all), (dir.clone(), back.clone()));
+        }
+        // no recording drives backward
+        assert_eq!(found(&[rest, ahead]), (None, None));
+        let numbers = [way(true, ""), way(false, "")];
+        assert_eq!(found(&numbers), (dir, Some("0".to_string())));
     }
 
     fn input(g: &Guess) -> &Guessed {

@@ -38,12 +38,13 @@ mod times;
 mod unknown_sides;
 mod values;
 
+pub(super) use self::directions::is_direction;
 use self::guessed::Candidate;
 pub(super) use self::guessed::{About, Guess, Guessed, Question};
 pub(super) use self::lengths::Lengths;
 use self::names::{Quantity, named};
 use self::pairs::Pairs;
-pub(super) use self::samples::mark_varying;
+pub(super) use self::samples::{add_recording, mark_varying};
 pub(super) use self::text::{Written, assumed_unit, assumed_units, file_text, in_a_line};
 use crate::io::PreviewColumn;
 use crate::recording::DriveUnit;

@@ -38,6 +38,39 @@ pub(in crate::experiment) fn mark_varying(columns: &mut [PreviewColumn], others:
     }
 }
 
+/// Adds values and words of a further recording with the columns `others` to the columns of the same names. All get the
+/// same number of rows, so that the values of a row stay together.
+pub(in crate::experiment) fn add_recording(
+    columns: &mut [PreviewColumn],
+    others: &[PreviewColumn],
+) {
+    let rows = others.iter().map(|c| c.values.len()).max().unwrap_or_default();
+    for column in columns {
+        let end = column.elsewhere.len() + rows;
+        if let Some(other) = others.iter().find(|c| c.name == column.name) {
+            column.elsewhere.extend(&other.values);
+            column.words_elsewhere.extend(other.words.iter().cloned());
+        }
+        column.elsewhere.resize(end, f64::NAN);
+    }
+}
+
+/// The values of a column in all recordings, one after the other.
+pub(super) fn all_values(column: &PreviewColumn) -> Vec<f64> {
+    [&column.values[..], &column.elsewhere].concat()
+}
+
+/// The different words of a column in all recordings.
+pub(super) fn all_words(column: &PreviewColumn) -> Vec<String> {
+    let mut out: Vec<String> = vec![];
+    for word in column.words.iter().chain(&column.words_elsewhere) {
+        if !out.contains(word) {
+            out.push(word.clone());
+        }
+    }
+    out
+}
+
 /// Whether a column increases in nearly all rows.
 pub(super) fn increases(values: &[f64]) -> bool {
     let up = values.windows(2).filter(|w| w[1] > w[0]).count();
