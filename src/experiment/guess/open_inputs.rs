@@ -16,6 +16,14 @@ fn beside() -> String {
     )
 }
 
+/// Words for the output of a controller that drives all motors.
+const CONTROLS: [&str; 6] = ["output", "out", "command", "cmd", "control", "input"];
+
+/// Whether a name contains such words alone.
+fn is_of_controller(n: &Named) -> bool {
+    !n.rest.is_empty() && n.rest.iter().all(|w| CONTROLS.contains(&w.as_str()))
+}
+
 /// The text on values between -1 and 1: a share, by its size.
 fn share_of(values: &[f64]) -> &'static str {
     let top = largest(values);
@@ -51,6 +59,7 @@ fn shared(open: &[(&PreviewColumn, Named)]) -> Option<String> {
         matches!(quantity, Some(Quantity::Torque | Quantity::Current | Quantity::Voltage))
             && !n.battery
             && (n.word.len() > 1 || n.unit.is_some())
+            || quantity.is_none() && is_of_controller(n)
     };
     let found: Vec<_> = open.iter().filter(|(_, n)| is_input(n)).collect();
     let [(column, name)] = found[..] else { return None };
@@ -109,6 +118,8 @@ mod tests {
         assert!(asked.contains("is `rightCommand` the input of the right wheel"), "{asked}");
         let asked = questions(&["RPM_R", "RPM_L", "PWM_percent"]);
         assert!(asked.contains("`PWM_percent` is the only input: do both wheels"), "{asked}");
+        let asked = questions(&["left_angle", "right_angle", "left_rpm", "right_rpm", "output"]);
+        assert!(asked.contains("`output` is the only input: do both wheels"), "{asked}");
         let asked = questions(&["Enc1", "Enc2", "Enc3", "PWM"]);
         assert!(asked.contains("which of `Enc1`, `Enc2`, `Enc3` are those"), "{asked}");
         assert!(asked.contains("`PWM` is the only input: do both wheels"), "{asked}");

@@ -6,6 +6,8 @@ use super::values::{largest, whole};
 
 /// Words of a command that does not state what it commands.
 const COMMANDS: [&str; 4] = ["command", "commands", "commanded", "cmd"];
+/// Words of a command that all motors may share.
+const PWMS: [&str; 2] = ["pwm", "duty"];
 /// Largest PWM of 8 bits, and the smallest largest value that is no fraction of a speed.
 const BITS: (f64, f64) = (20.0, 255.0);
 /// Mean deviation of a speed from its set-point, as a share of the mean set-point: smaller ones are those of a
@@ -18,6 +20,7 @@ const SYSTEM: [(&[&str], &[&str]); 2] = [(&["input", "in"], &["output", "out"]),
 /// Interprets such columns where no other column is an input, and returns the questions on them.
 pub(super) fn apply(all: &mut [Candidate]) -> Vec<String> {
     commands(all);
+    speeds_of_motors(all);
     step_test(all).into_iter().collect()
 }
 
@@ -60,6 +63,30 @@ fn commands(all: &mut [Candidate]) {
     }
     for (c, _) in all.iter_mut().zip(&found).filter(|(_, is_one)| **is_one) {
         c.named.quantity = Some(Quantity::Voltage);
+    }
+}
+
+/// Interprets `m1`, `m2`, … beside one PWM as the speeds of motors that share it, where no column is a motion: an `m`
+/// alone would be a torque.
+fn speeds_of_motors(all: &mut [Candidate]) {
+    let is_motion =
+        |c: &Candidate| matches!(c.named.quantity, Some(Quantity::Angle | Quantity::Speed));
+    let is_pwm = |c: &Candidate| {
+        let n = &c.named;
+        n.quantity == Some(Quantity::Voltage) && n.side.is_none() && PWMS.contains(&&*n.word)
+    };
+    if all.iter().any(is_motion) || !all.iter().any(is_pwm) {
+        return;
+    }
+    let is_number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
+    let is_motor = |n: &Named| {
+        n.quantity == Some(Quantity::Torque)
+            && n.word == "m"
+            && n.unit.is_none()
+            && n.rest.iter().all(is_number)
+    };
+    for c in all.iter_mut().filter(|c| is_motor(&c.named)) {
+        c.named.quantity = Some(Quantity::Speed);
     }
 }
 
@@ -142,6 +169,24 @@ mod tests {
         assert!(set_point.asked().contains("is `rightCommand` the input"), "{}", set_point.asked());
         // fractions state no scale
         assert_eq!(name(&log(|t| 0.8 * (0.7 * t + 0.8).sin()), "M1"), None);
+    }
+
+    #[test]
+    fn motors_with_a_number_beside_one_pwm_are_speeds() {
+        let log = |names: &[&str]| {
+            let wave = |name: &&str| column(name, |t| 40.0 * (0.7 * t).sin());
+            guess(&names.iter().map(wave).collect::<Vec<_>>()).asked()
+        };
+        let asked = log(&["pwm", "m1", "m2", "m3", "m4", "mean"]);
+        assert!(
+            asked.contains("`m3`, `m4` are those of the right and of the left wheel (dalpha1"),
+            "{asked}"
+        );
+        assert!(asked.contains("`pwm` is the only input: do both wheels have it?"), "{asked}");
+        assert!(!asked.contains("M1, M2)") && !asked.contains("which columns hold"), "{asked}");
+        // torques beside speeds; which of several is asked once
+        let asked = log(&["rpm_l", "rpm_r", "m1", "m2", "m3", "m4"]);
+        assert_eq!(asked.matches("(M1, M2)").count(), 1, "{asked}");
     }
 
     #[test]

@@ -119,7 +119,7 @@ pub(super) fn questions(columns: &[PreviewColumn], guess: &mut Guess, input: Opt
     if !angles && !speeds && !are_asked {
         guess.ask("which columns hold the angles (alpha1, alpha2) or speeds (dalpha1, dalpha2) of the wheels?");
     }
-    if !guess.columns.iter().any(|c| c.key == "M1") {
+    if !guess.columns.iter().any(|c| c.key == "M1") && !guess.asks_which("M1") {
         guess.ask_all(input.or_else(|| no_input(columns, guess)));
     }
     if !guess.columns.iter().any(|c| c.key == "t") {
