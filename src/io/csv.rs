@@ -8,6 +8,7 @@ mod named_cells;
 mod number;
 mod plain;
 mod style;
+mod uneven;
 mod unfold;
 
 use std::fs::File;
@@ -27,6 +28,7 @@ pub(super) use self::lists::lists;
 pub(super) use self::named_cells::named_by_cells;
 pub(super) use self::number::{ABSENT, duration, number, quantity, value};
 pub(super) use self::style::{Evidence, Style};
+pub(super) use self::uneven::cells_of;
 pub(super) use self::unfold::{may_be_keyed, unfold, unfolded};
 use super::IoError;
 use super::columns::is_unit;
@@ -261,6 +263,7 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
         .with_schema_overwrite(Some(Arc::new(schema)));
     if layout.units == 0
         && layout.style == Style::of(char::from(layout.separator))
+        && cells_of(path, layout)?.are_even()
         && let Ok(frame) = finish(path, fast)
         && frame.columns().iter().all(|c| c.null_count() == 0)
     {

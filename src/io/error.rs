@@ -8,7 +8,7 @@ use std::path::Path;
 
 use polars::prelude::{PolarsError, PolarsResult};
 
-use self::phrases::{assigned, first_line, for_example, in_file, quoted};
+use self::phrases::{assigned, first_line, for_example, in_file, quoted, ragged};
 pub(super) use self::phrases::{shortened, shown};
 use crate::recording::RecordingError;
 
@@ -227,7 +227,7 @@ pub enum IoError {
     },
     /// More cells in a row than names in the header.
     #[error(
-        "{file}, row {row} (line {line}): {found} cells, and the header has {expected}; {}", if *most { "a decimal comma needs another separator, for example `;`" } else { "more than 1 % of the rows are not those of the header: leave them out" }
+        "{file}, row {row} (line {line}) `{text}`: {found} cells, and {}", ragged(*expected, *has_header, *most)
     )]
     Ragged {
         /// As the user named it.
@@ -240,6 +240,10 @@ pub enum IoError {
         found: usize,
         /// Names in the header.
         expected: usize,
+        /// Beginning of the row.
+        text: String,
+        /// Whether the names of the columns stand in the file.
+        has_header: bool,
         /// Whether most rows have another number of cells than the header.
         most: bool,
     },

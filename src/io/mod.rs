@@ -20,6 +20,8 @@ mod summary;
 mod sysid;
 mod table;
 mod text_log;
+mod uneven;
+mod uneven_rows;
 mod whole;
 mod words;
 
@@ -51,6 +53,7 @@ pub use recording::{
 pub use summary::{group_rows, read_parquet_table, write_csv_table};
 pub use table::{TableColumn, write_csv, write_parquet_pieces, write_parquet_table};
 pub use text_log::foreign_encoding;
+pub use uneven_rows::uneven_rows;
 pub use words::{WheelSide, is_side, side, words};
 
 #[cfg(test)]

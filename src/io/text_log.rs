@@ -17,6 +17,7 @@ mod keyed;
 mod labelled;
 mod lines;
 mod octave;
+mod quoted;
 mod record;
 mod stamp;
 mod tag;
@@ -35,6 +36,7 @@ use super::IoError;
 use super::csv::{Evidence, Style, may_be_keyed, quantity, unfolded, value};
 use super::error::shown;
 use super::format::Format;
+use super::uneven::{Cells, Row};
 
 /// Number of bytes within which the table, with everything above it, must begin.
 const HEAD: u64 = 1 << 16;
@@ -87,6 +89,30 @@ type Stamp = fn(&str) -> Option<(f64, &str)>;
 /// # Errors
 /// A file that cannot be read.
 pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
+    Ok(found(path)?.map(|found| found.columns))
+}
+
+/// The columns of a text, and the cells of the rows of a table.
+struct Found {
+    columns: Columns,
+    cells: Cells,
+}
+
+impl From<Columns> for Found {
+    fn from(columns: Columns) -> Self {
+        Self { columns, cells: Cells::default() }
+    }
+}
+
+/// The number of cells of the rows of a text that is no plain CSV; none of a form without a table.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(super) fn cells_of(path: &Path) -> Result<Option<Cells>, IoError> {
+    Ok(found(path)?.map(|found| found.cells))
+}
+
+fn found(path: &Path) -> Result<Option<Found>, IoError> {
     let bytes = |limit: u64| -> Result<Vec<u8>, IoError> {
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(|e| IoError::system(path, &e))?;
@@ -106,29 +132,35 @@ pub(super) fn read(path: &Path) -> Result<Option<Columns>, IoError> {
     }
     if let Some((_, columns)) = FORMS.iter().find(|(is_one, _)| is_one(&lines)) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
-        return Ok(Some(columns(&text)));
+        return Ok(Some(columns(&text).into()));
     }
     // before tables: the labels of `l: 134 r: -5` are cells between spaces too
     if record::is_one(&lines) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
-        return Ok(Some(keyed::columns(text.lines())));
+        return Ok(Some(keyed::columns(text.lines()).into()));
     }
     if let Some(tag) = tag::of(&lines) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
         let text = tag::without(&text, &tag);
-        return Ok(table(&text.lines().collect::<Vec<_>>()).map(|table| table.columns(&text)));
+        let table = table(&text.lines().collect::<Vec<_>>());
+        return Ok(table.map(|table| table.columns(&text, &Cells::default()).into()));
+    }
+    if quoted::is_one(&lines) {
+        let text = quoted::without(&decoded(&bytes(u64::MAX)?).0);
+        let table = stamped_table(&text.lines().collect::<Vec<_>>());
+        return table.map(|table| table.found(path, &text)).transpose();
     }
     let table = stamped_table(&lines);
     if labelled::is_one(&lines, table.as_ref()) {
         let (text, _) = decoded(&bytes(u64::MAX)?);
-        return Ok(Some(labelled::columns(text.lines())));
+        return Ok(Some(labelled::columns(text.lines()).into()));
     }
     let Some(table) = table else { return Ok(None) };
     if is_utf8 && is_plain(&table, &lines) {
         return Ok(None);
     }
     let (text, _) = decoded(&bytes(u64::MAX)?);
-    Ok(Some(table.columns(&text)))
+    table.found(path, &text).map(Some)
 }
 
 /// The columns of a JSON file that holds columns or records, or one record in every line; `None` for any other,
@@ -164,10 +196,45 @@ pub(super) fn has_no_header(names: &[String]) -> bool {
 }
 
 impl Table {
-    fn columns(&self, text: &str) -> Columns {
+    /// The columns of a text with this table, without the rows that are damaged.
+    ///
+    /// # Errors
+    /// Too many rows with more cells than the others.
+    fn found(&self, path: &Path, text: &str) -> Result<Found, IoError> {
+        let cells = self.counted(text);
+        cells.check(path)?;
+        Ok(Found { columns: self.columns(text, &cells), cells })
+    }
+
+    fn columns(&self, text: &str, cells: &Cells) -> Columns {
         let style = self.style(text);
         let keyed = self.keyed(text, style);
-        header::completed(keyed.unwrap_or_else(|| self.numbers(text.lines(), style)), text)
+        header::completed(keyed.unwrap_or_else(|| self.numbers(text, style, cells)), text)
+    }
+
+    /// The rows of the table: number and line of each from 1, and its text.
+    fn rows<'a>(&self, text: &'a str) -> impl Iterator<Item = Row<'a>> {
+        let lines = text.lines().enumerate().skip(self.first);
+        let held = lines.filter(|(_, line)| !is_blank(line) && !is_comment(line)).enumerate();
+        held.map(|(row, (line, text))| Row { number: row + 1, line: line + 1, text })
+    }
+
+    /// The number of cells of the rows; lines of words are none. What stands behind the last column is a cell of a
+    /// damaged row if it is a number, else a comment.
+    fn counted(&self, text: &str) -> Cells {
+        let mut out = Cells::new(self.names.len(), self.header.is_some());
+        for row in self.rows(text) {
+            let cells = cells(self.bare(row.text), self.separator);
+            let is_number =
+                |cell: &String| value(cell, Style::of(self.separator)).is_some_and(f64::is_finite);
+            if is_data(&cells, self.separator) {
+                let inner: usize = cells.iter().map(|cell| self.parted(cell)).sum();
+                let used = cells.iter().rposition(is_number).map_or(0, |k| k + 1) + inner;
+                let own = |count: usize| count.saturating_sub(self.before);
+                out.see(&row, own(cells.len() + inner), own(used));
+            }
+        }
+        out
     }
 
     /// How the numbers of all rows are written.
@@ -178,6 +245,13 @@ impl Table {
             cells.iter().enumerate().for_each(|(k, cell)| evidence.see(k, cell));
         }
         evidence.style(self.separator)
+    }
+
+    /// Number of other separators between numbers in a cell: `5\t-0.06` in a table of commas is two cells.
+    fn parted(&self, cell: &str) -> usize {
+        let is_number = |part: &str| value(part, Style::Either).is_some_and(f64::is_finite);
+        let parts = || cell.split(['\t', ';', '|']);
+        if parts().all(is_number) { parts().count() - 1 } else { 0 }
     }
 
     /// The columns of rows of several motors in turn.
@@ -204,14 +278,16 @@ impl Table {
         unfolded(&self.names, &texts, style)
     }
 
-    fn numbers<'a>(&self, lines: impl Iterator<Item = &'a str>, style: Style) -> Columns {
+    fn numbers(&self, text: &str, style: Style, counted: &Cells) -> Columns {
         let mut columns: Columns = self.names.iter().map(|n| (n.clone(), vec![])).collect();
         let mut clock = vec![];
-        for line in lines.skip(self.first).filter(|line| !is_blank(line) && !is_comment(line)) {
-            let stamped = self.read.and_then(|read| read(line));
+        let left_out = counted.left_out();
+        for row in self.rows(text) {
+            let stamped = self.read.and_then(|read| read(row.text));
             clock.push(stamped.map_or(f64::NAN, |(time, _)| time));
-            let line = stamped.map_or(line, |(_, rest)| rest);
-            let cells = cells(line, self.separator);
+            let line = stamped.map_or(row.text, |(_, rest)| rest);
+            let is_left_out = left_out.contains(&row.number);
+            let cells = if is_left_out { vec![] } else { cells(line, self.separator) };
             for (k, (_, values)) in columns.iter_mut().enumerate() {
                 let cell = cells.get(self.before + k).map_or("", String::as_str);
                 values.push(value(cell, style).unwrap_or(f64::NAN));

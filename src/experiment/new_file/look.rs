@@ -8,7 +8,7 @@ use crate::experiment::error::ExperimentError;
 use crate::experiment::guess::{About, Guess, Guessed, in_a_line};
 use crate::experiment::remarks::repeated;
 use crate::experiment::unrepaired::is_needed;
-use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels};
+use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels, uneven_rows};
 use crate::recording::{DriveUnit, Recording};
 use crate::report::format::hertz;
 
@@ -44,6 +44,9 @@ impl Looked {
             let name = path.to_string_lossy();
             if let Some(encoding) = foreign_encoding(path) {
                 out.notes.push(in_a_line(&format!("{name}: text in {encoding}")));
+            }
+            if let Some(uneven) = uneven_rows(path) {
+                out.notes.push(in_a_line(&format!("{name}: {uneven}")));
             }
             let (words, kind) = match look(path, guess) {
                 Ok((recording, findings, rows)) => {

@@ -11,6 +11,7 @@ use super::{Layout, Style, is_row, split};
 use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
+use crate::io::uneven::beginning;
 
 /// Whether a file has more than `limit` lines.
 pub(in crate::io) fn has_more_lines(path: &Path, limit: usize) -> Result<bool, IoError> {
@@ -147,6 +148,8 @@ impl<'a> Blocks<'a> {
                 line,
                 found: used,
                 expected,
+                text: beginning(&text),
+                has_header: true,
                 most: true,
             });
         }

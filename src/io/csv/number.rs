@@ -8,7 +8,7 @@ pub(in crate::io) const ABSENT: [&str; 6] = ["", "na", "n/a", "null", "none", "-
 /// A cell of data as a number; NaN for a missing value.
 pub(in crate::io) fn value(cell: &str, style: Style) -> Option<f64> {
     number(cell, style).or_else(|| {
-        let bare = cell.trim().trim_matches('"').trim().to_lowercase();
+        let bare = bare(cell).to_lowercase();
         if ABSENT.contains(&bare.as_str()) {
             return Some(f64::NAN);
         }
@@ -24,7 +24,13 @@ fn hexadecimal(bare: &str) -> Option<f64> {
 
 /// A cell as a number that is written in that style.
 pub(in crate::io) fn number(cell: &str, style: Style) -> Option<f64> {
-    style.number(cell.trim().trim_matches('"').trim())
+    style.number(bare(cell))
+}
+
+/// The content of a cell without quotes, also of a formula that keeps a spreadsheet from changing it: `="0.01"`.
+pub(super) fn bare(cell: &str) -> &str {
+    let cell = cell.trim();
+    cell.strip_prefix("=\"").unwrap_or(cell).trim_matches('"').trim()
 }
 
 /// A number and the unit after it, with or without a space: `44.1rpm`, `0.01 sec`, `12%`. The unit of a bare

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use super::number::bare;
 use super::{Layout, is_row, split};
 use crate::io::IoError;
 
@@ -97,7 +98,7 @@ pub(in crate::io) struct Evidence {
 impl Evidence {
     /// Adds the cell of a column; other text is ignored.
     pub(in crate::io) fn see(&mut self, place: usize, cell: &str) {
-        let cell = cell.trim().trim_matches('"').trim();
+        let cell = bare(cell);
         let is_part = |b: u8| b.is_ascii_digit() || b"+-.,eE".contains(&b);
         if !cell.bytes().all(is_part) || !cell.bytes().any(|b| b.is_ascii_digit()) {
             return;

@@ -27,6 +27,17 @@ pub(super) fn quoted(text: &str) -> String {
     if text.is_empty() { "missing".into() } else { format!("`{text}`") }
 }
 
+/// The number of cells that a row should have, and what is to be done about rows with more.
+pub(super) fn ragged(expected: usize, has_header: bool, most: bool) -> String {
+    let whose = if has_header { "the header has" } else { "the other rows have" };
+    let remedy = if most {
+        "a decimal comma needs another separator, for example `;`"
+    } else {
+        "more than 1 % of the rows have too many: correct these lines or leave them out"
+    };
+    format!("{whose} {expected}; {remedy}")
+}
+
 /// A list as messages show it: logs of robots hold hundreds of names.
 pub(in crate::io) fn shortened(list: &str) -> String {
     const MOST: usize = 2000;

@@ -71,7 +71,9 @@ pub(super) fn headers_of(path: &Path, part: Option<&str>) -> Result<Headers, IoE
         Format::Csv => match text_log::read(path)? {
             Some(found) => columns(found),
             None => {
-                let layout = csv::named_by_cells(path, csv::layout(path)?)?;
+                let layout = csv::layout(path)?;
+                csv::cells_of(path, &layout)?.check(path)?;
+                let layout = csv::named_by_cells(path, layout)?;
                 let several = match csv::unfold(path, &layout)? {
                     Some(unfolded) => Some(unfolded),
                     None => csv::lists(path, &layout)?,

@@ -1,0 +1,40 @@
+//! The number of cells in the rows of a plain table.
+
+use std::path::Path;
+
+use super::{Layout, rows, split};
+use crate::io::IoError;
+use crate::io::uneven::{Cells, Row};
+
+/// The cells of every row. Rows whose lines are parted by a line break in quotes are not compared.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoError> {
+    let separator = char::from(layout.separator);
+    let none = || Cells::new(layout.names.len(), true);
+    let mut out = none();
+    for (number, line, bytes) in rows(path)? {
+        let text = String::from_utf8_lossy(&bytes);
+        if text.matches('"').count() % 2 == 1 {
+            return Ok(none());
+        }
+        let (cells, used) = if text.contains('"') {
+            let cells = split(&text, separator);
+            (cells.len(), used(cells.iter().map(String::as_str)))
+        } else {
+            (text.split(separator).count(), used(text.split(separator)))
+        };
+        // a blank line
+        if used > 0 || text.contains('"') {
+            out.see(&Row { number, line, text: &text }, cells, used);
+        }
+    }
+    Ok(out)
+}
+
+/// Number of cells up to the last one that contains something.
+fn used<'a>(cells: impl Iterator<Item = &'a str>) -> usize {
+    let held = cells.enumerate().filter(|(_, cell)| !cell.trim().is_empty());
+    held.last().map_or(0, |(k, _)| k + 1)
+}
