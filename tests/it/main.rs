@@ -22,6 +22,7 @@ mod kept;
 mod language;
 mod layering;
 mod log_styles;
+mod log_styles_rows;
 mod long;
 mod modelica;
 mod next_step;
