@@ -13,6 +13,8 @@ use crate::io::uneven::{Cells, Row};
 pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoError> {
     let separator = char::from(layout.separator);
     let none = || Cells::new(layout.names.len(), true);
+    // a separator at the end of the header names nothing, and rows may lack it
+    let named = layout.names.iter().rposition(|name| !name.is_empty()).map_or(0, |k| k + 1);
     let mut out = none();
     for (number, line, bytes) in rows(path)? {
         let text = String::from_utf8_lossy(&bytes);
@@ -27,6 +29,7 @@ pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoE
         };
         // a blank line
         if used > 0 || text.contains('"') {
+            let cells = if cells >= named { layout.names.len() } else { cells };
             out.see(&Row { number, line, text: &text }, cells, used);
         }
     }
