@@ -85,9 +85,9 @@ fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
         if !stepped || !inside(k) {
             continue;
         }
-        let from = k.saturating_sub(AROUND + 1);
-        let near = increments[from..(k + AROUND).min(increments.len())].iter().copied();
-        out.push((k, increments[k - 1] - median_high(near)));
+        let near = ordinary(&increments, k, ANGLES.wraps * range);
+        let motion = if near.is_empty() { 0.0 } else { median_high(near.into_iter()) };
+        out.push((k, increments[k - 1] - motion));
     }
     out
 }
@@ -178,15 +178,18 @@ fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     known.or_else(|| is_one().then_some(size))
 }
 
+/// The increments around a row that do not wrap: those of an angle at rest on the end of its range wrap in every other row.
+fn ordinary(increments: &[f64], k: usize, wraps: f64) -> Vec<f64> {
+    let near = k.saturating_sub(AROUND + 1)..(k + AROUND).min(increments.len());
+    increments[near].iter().copied().filter(|d| d.abs() <= wraps).collect()
+}
+
 /// Difference between the largest and the smallest increment around a row, of those that do not wrap: by so much the
 /// motion of the row itself, which a step contains, may differ from the median around it.
 fn spread(increments: &[f64], k: usize, wraps: f64) -> f64 {
-    let from = k.saturating_sub(AROUND + 1);
-    let near = &increments[from..(k + AROUND).min(increments.len())];
-    let ordinary = || near.iter().copied().filter(|d| d.abs() < wraps);
-    let (least, most) =
-        (ordinary().fold(f64::INFINITY, f64::min), ordinary().fold(f64::NEG_INFINITY, f64::max));
-    (most - least).max(0.0)
+    let near = ordinary(increments, k, wraps);
+    let of = |worse: fn(f64, f64) -> f64| near.iter().copied().reduce(worse);
+    of(f64::max).zip(of(f64::min)).map_or(0.0, |(most, least)| most - least)
 }
 
 #[cfg(test)]
@@ -247,6 +250,28 @@ mod tests {
                 conditioned(truth.iter().map(wrap).collect(), 0.007).channels.alpha.unwrap();
             let worst = found.iter().zip(&truth).map(|(a, b)| (a[0] - b).abs()).fold(0.0, f64::max);
             assert!(worst < quantum, "{sign}: {worst}");
+        }
+    }
+
+    #[test]
+    fn an_angle_that_rests_on_the_end_of_its_range_wraps() {
+        let noise = |k: usize| 1e-3 * ((k * k * 7919 % 1009) as f64 / 504.5 - 1.0);
+        let rest = (0..100).map(|_| [0.0; 2]);
+        let truth: Vec<[f64; 2]> = rest.chain(motion(2000, 0.02)).collect();
+        let truth: Vec<[f64; 2]> = truth
+            .iter()
+            .enumerate()
+            .map(|(k, v)| [v[0] + noise(k), v[1] + noise(k + 5000)])
+            .collect();
+        let done = conditioned(truth.iter().map(|v| v.map(|x| x.rem_euclid(TAU))).collect(), 0.02);
+        let wraps = |f: &Finding| matches!(f.kind, Kind::Wrapped { .. });
+        assert!(done.findings.iter().filter(|f| wraps(f)).count() == 2, "{:?}", done.findings);
+        let is_step = |f: &Finding| matches!(f.kind, Kind::Reset { .. } | Kind::Spikes { .. });
+        assert!(!done.findings.iter().any(is_step), "{:?}", done.findings);
+        let found = done.channels.alpha.unwrap();
+        for i in 0..2 {
+            let by = ((found[0][i] - truth[0][i]) / TAU).round() * TAU;
+            assert!(found.iter().zip(&truth).all(|(a, b)| (a[i] - b[i] - by).abs() < 1e-9), "{i}");
         }
     }
 

@@ -33,8 +33,10 @@ pub(super) struct Cells {
     /// Columns of the table.
     expected: usize,
     has_header: bool,
-    /// Number of each row, and its cells.
-    rows: Vec<(usize, usize)>,
+    /// Number of rows.
+    count: usize,
+    /// Number and cells of each row whose cells are not those of the columns.
+    others: Vec<(usize, usize)>,
     firsts: BTreeMap<usize, First>,
 }
 
@@ -46,7 +48,11 @@ impl Cells {
     /// Adds a row with so many cells, of which the last that contains something is `used` from 1.
     pub(super) fn see(&mut self, row: &Row, cells: usize, used: usize) {
         let count = if used > self.expected { used } else { cells.min(self.expected) };
-        self.rows.push((row.number, count));
+        self.count += 1;
+        if count == self.expected {
+            return;
+        }
+        self.others.push((row.number, count));
         self.firsts.entry(count).or_insert_with(|| First {
             row: row.number,
             line: row.line,
@@ -56,13 +62,13 @@ impl Cells {
 
     /// Rows with more cells than columns.
     fn more(&self) -> impl Iterator<Item = &(usize, usize)> {
-        self.rows.iter().filter(|(_, count)| *count > self.expected)
+        self.others.iter().filter(|(_, count)| *count > self.expected)
     }
 
     /// The number of cells of most rows, of those that have no more than there are columns.
     fn usual(&self) -> usize {
-        let mut times: BTreeMap<usize, usize> = BTreeMap::new();
-        for (_, count) in self.rows.iter().filter(|(_, count)| *count <= self.expected) {
+        let mut times = BTreeMap::from([(self.expected, self.count - self.others.len())]);
+        for (_, count) in self.others.iter().filter(|(_, count)| *count < self.expected) {
             *times.entry(*count).or_default() += 1;
         }
         times.into_iter().max_by_key(|(_, times)| *times).map_or(0, |(count, _)| count)
@@ -71,12 +77,12 @@ impl Cells {
     /// Rows with fewer cells than most.
     fn fewer(&self) -> impl Iterator<Item = &(usize, usize)> {
         let usual = self.usual();
-        self.rows.iter().filter(move |(_, count)| *count < usual)
+        self.others.iter().filter(move |(_, count)| *count < usual)
     }
 
     /// Whether so few rows are damaged; more of them are those of a logger that leaves out empty cells at the end.
     fn is_few(&self, count: usize) -> bool {
-        count as f64 <= (STRAY * self.rows.len() as f64).max(1.0)
+        count as f64 <= (STRAY * self.count as f64).max(1.0)
     }
 
     /// Whether no row has more or fewer cells than the others.
@@ -100,7 +106,7 @@ impl Cells {
     /// The first of them.
     pub(super) fn check(&self, path: &Path) -> Result<(), IoError> {
         let count = self.more().count();
-        if count as f64 <= STRAY * self.rows.len() as f64 {
+        if count as f64 <= STRAY * self.count as f64 {
             return Ok(());
         }
         let Some((_, found)) = self.more().next() else { return Ok(()) };
@@ -108,7 +114,7 @@ impl Cells {
             return Ok(());
         };
         let (file, found, expected) = (shown(path), *found, self.expected);
-        let (has_header, most) = (self.has_header, 2 * count > self.rows.len());
+        let (has_header, most) = (self.has_header, 2 * count > self.count);
         Err(IoError::Ragged { file, row, line, found, expected, text, has_header, most })
     }
 
@@ -128,14 +134,14 @@ impl Cells {
             return Some(format!(
                 "{} of {} rows have more or fewer cells than the others and are left out ({})",
                 more + few,
-                self.rows.len(),
+                self.count,
                 first(&is)?
             ));
         }
         (fewer > 0).then(|| {
             Some(format!(
                 "{fewer} of {} rows have fewer cells than the others; their last columns have no values ({})",
-                self.rows.len(),
+                self.count,
                 first(&|count| count < usual)?
             ))
         })?
