@@ -1,5 +1,6 @@
 //! Text tables: separators, decimal commas, comments, and the place of an invalid cell.
 
+mod bare;
 mod blocks;
 mod by_cell;
 mod keys;

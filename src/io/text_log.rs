@@ -228,8 +228,9 @@ impl Table {
             let is_number =
                 |cell: &String| value(cell, Style::of(self.separator)).is_some_and(f64::is_finite);
             if is_data(&cells, self.separator) {
+                let is_held = |cell: &String| is_number(cell) || self.parted(cell) > 0;
                 let inner: usize = cells.iter().map(|cell| self.parted(cell)).sum();
-                let used = cells.iter().rposition(is_number).map_or(0, |k| k + 1) + inner;
+                let used = cells.iter().rposition(is_held).map_or(0, |k| k + 1) + inner;
                 let own = |count: usize| count.saturating_sub(self.before);
                 out.see(&row, own(cells.len() + inner), own(used));
             }

@@ -37,7 +37,7 @@ fn damaged(head: &str, is_damaged: impl Fn(usize) -> bool, text: &str) -> Folder
     };
     let body: String = rows.lines().enumerate().map(row).collect();
     let folder = Folder::new();
-    folder.write("run.csv", &format!("{head}{body}"));
+    folder.write("run.csv", format!("{head}{body}"));
     folder
 }
 
@@ -75,7 +75,7 @@ fn the_direction_of_a_motor_is_that_of_all_recordings() {
     };
     let folder = Folder::new();
     for (file, word, sign) in [("n.csv", "N", 1.0), ("f.csv", "F", 1.0), ("r.csv", "R", -1.0)] {
-        folder.write(file, &run(word, sign));
+        folder.write(file, run(word, sign));
     }
     for (k, files) in
         [["n.csv", "f.csv", "r.csv"], ["f.csv", "r.csv", "n.csv"], ["r.csv", "n.csv", "f.csv"]]

@@ -1,5 +1,6 @@
 //! A cell of text as a number: decimal commas, dates and times of day.
 
+use super::bare::bare;
 use super::style::Style;
 
 /// Words for a value that is not there.
@@ -25,12 +26,6 @@ fn hexadecimal(bare: &str) -> Option<f64> {
 /// A cell as a number that is written in that style.
 pub(in crate::io) fn number(cell: &str, style: Style) -> Option<f64> {
     style.number(bare(cell))
-}
-
-/// The content of a cell without quotes, also of a formula that keeps a spreadsheet from changing it: `="0.01"`.
-pub(super) fn bare(cell: &str) -> &str {
-    let cell = cell.trim();
-    cell.strip_prefix("=\"").unwrap_or(cell).trim_matches('"').trim()
 }
 
 /// A number and the unit after it, with or without a space: `44.1rpm`, `0.01 sec`, `12%`. The unit of a bare

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use super::number::bare;
+use super::bare::bare;
 use super::{Layout, is_row, split};
 use crate::io::IoError;
 
