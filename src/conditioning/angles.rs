@@ -86,7 +86,7 @@ fn steps(values: &[f64], pieces: &[Range<usize>]) -> Vec<(usize, f64)> {
             continue;
         }
         let near = ordinary(&increments, k, ANGLES.wraps * range);
-        let motion = if near.is_empty() { 0.0 } else { median_high(near.into_iter()) };
+        let motion = if near.is_empty() { 0.0 } else { median_high(near) };
         out.push((k, increments[k - 1] - motion));
     }
     out

@@ -160,6 +160,10 @@ impl<'a> Log<'a> {
         let Some(piece) = self.pieces.iter().find(|p| p.contains(&rows.start)) else {
             return false;
         };
+        // one that repeats another speed does not fall to zero
+        if self.omega[(rows.start + rows.end) / 2][i].abs() > slow {
+            return false;
+        }
         let sides = [rows.start.checked_sub(BESIDE), Some(rows.end - 1 + BESIDE)];
         let beside =
             |k: Option<usize>| k.filter(|k| piece.contains(k)).map(|k| self.omega[k][i].abs());

@@ -23,6 +23,7 @@ mod clock;
 mod counterpart;
 mod counts;
 mod dead;
+mod dead_sensor;
 mod error;
 mod factor;
 mod far_out;
@@ -132,6 +133,7 @@ pub fn condition(
     jitter::even_times(&mut work, settings, context);
     rates::alike(&mut work, settings, context);
     angles::unwrap(&mut work, settings);
+    dead_sensor::channels(&mut work, settings);
     stale::rows(&mut work, settings);
     half_interval::rows(&mut work, settings);
     // the first value after a rest may look like an outlier among faster ones

@@ -21,7 +21,8 @@ pub struct Settings {
     pub signs: bool,
     /// Columns that belong to the other wheel are exchanged.
     pub exchanged: bool,
-    /// Speeds that lag the angles are advanced, or discarded if they were computed by a filter.
+    /// Speeds that lag the angles are advanced, or discarded if they were computed by a filter. Speeds, or else angles,
+    /// of a dead sensor are discarded.
     /// Speeds recorded without angles that are quantised encoder counts are replaced by the
     /// accumulated angle.
     pub speeds: bool,

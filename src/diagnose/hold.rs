@@ -93,10 +93,9 @@ impl Accounts {
             let (error, time) = (timed.error(), (timed.time_s(), timed.std_error_s()));
             Some(Account { between, squares, error, time, p: timed.fit.p })
         };
-        // the middle of a row that begins at its time is half a row later; a dead time is that of the line
-        let start = line.time_s() - 0.5 * scale.step;
-        let others = [Between::Held, Between::Means].into_iter().filter_map(|b| account(b, start));
-        let others = others.collect();
+        // the middle of a row that begins at its time is half a row later
+        let means = account(Between::Means, line.time_s() - 0.5 * scale.step);
+        let others = account(Between::Held, 0.0).into_iter().chain(means).collect();
         Some(Self { line: squares(line)?, others, step: scale.step })
     }
 

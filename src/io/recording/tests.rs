@@ -94,7 +94,7 @@ fn the_dress_of_a_table_changes_nothing() {
         format!("\u{feff}{}", lines(40).join("\r\n")),
         commented.join("\n"),
         lines(40).join(",\n"),
-        lines(40).join(",other\n").replace("-0.25,other", "-0.25,words"),
+        lines(40).join(",other\n").replace("-0.25,other", "-0.25,words") + ",words",
         HEADER.split(',').map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(",")
             + "\n"
             + &lines(40)[1..].join("\n"),

@@ -242,6 +242,12 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
              noise that an independent sensor could have",
             percent(share)
         ),
+        Kind::DeadSensor => {
+            let other = if matches!(channel, Channel::Speed(_)) { "angle" } else { "speed" };
+            format!(
+                "{name} stays at one value while the {other} of its wheel changes: its sensor is dead"
+            )
+        }
         Kind::Counts { step_rad, rows } => format!(
             "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",
             one(rows, "row")
@@ -324,6 +330,9 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::StartAngle { .. } => "shifted",
         Kind::Differences { .. } => "not used: it contains no information beyond the angle",
         Kind::OfAngle { .. } => "not used: it contains no information beyond the angle",
+        Kind::DeadSensor => {
+            "not used, nor is that of the other wheel: the counterparts determine both"
+        }
         Kind::Counts { .. } => "replaced by the angle that the counts add up to",
         Kind::FewLevels { .. } => "treated as a command without noise",
         Kind::Magnitude | Kind::SpeedSign { .. } => {
