@@ -262,16 +262,17 @@ pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<Dat
     let fast = options(layout, false)
         .with_columns(Some(names.iter().map(|n| n.as_str().into()).collect()))
         .with_schema_overwrite(Some(Arc::new(schema)));
+    let cells = cells_of(path, layout)?;
     if layout.units == 0
         && layout.style == Style::of(char::from(layout.separator))
-        && cells_of(path, layout)?.are_even()
+        && cells.are_even()
         && let Ok(frame) = finish(path, fast)
         && frame.columns().iter().all(|c| c.null_count() == 0)
     {
         return Ok(frame);
     }
     // slow but exact: spaces, blank lines, rows that are none
-    by_cell::read(path, layout, names)
+    by_cell::read(path, layout, names, &cells)
 }
 
 /// A column of a text file without conversion.

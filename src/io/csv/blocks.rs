@@ -7,6 +7,7 @@ use std::path::Path;
 use polars::prelude::DataFrame;
 
 use super::plain::front;
+use super::uneven::used;
 use super::{Layout, Style, is_row, split};
 use crate::io::IoError;
 use crate::io::error::shown;
@@ -139,7 +140,7 @@ impl<'a> Blocks<'a> {
             text.split(char::from(separator)).collect()
         };
         let (row, line) = (self.row, self.line);
-        let used = plain.iter().rposition(|cell| !cell.trim().is_empty()).map_or(0, |k| k + 1);
+        let used = used(plain.iter().copied());
         let expected = self.layout.names.len();
         if used > expected {
             return Err(IoError::Ragged {

@@ -4,21 +4,27 @@ use std::path::Path;
 
 use polars::prelude::DataFrame;
 
-use super::{Layout, cells_of, rows, split};
+use super::{Layout, rows, split};
 use crate::io::IoError;
 use crate::io::error::shown;
 use crate::io::signals::frame;
-use crate::io::uneven::{STRAY, beginning};
+use crate::io::uneven::{Cells, STRAY, beginning};
 
 /// The required columns as numbers. A row with more cells than names, or with text in place of a number, is a
-/// row without values, up to the share [`STRAY`]; so are few rows with fewer cells than the others.
-pub(super) fn read(path: &Path, layout: &Layout, names: &[String]) -> Result<DataFrame, IoError> {
+/// row without values, up to the share [`STRAY`]; so are few rows with fewer cells than the others, by the `counted` cells
+/// of all rows.
+pub(super) fn read(
+    path: &Path,
+    layout: &Layout,
+    names: &[String],
+    counted: &Cells,
+) -> Result<DataFrame, IoError> {
     // by place: the header may hold spaces around the names
     let place = |name: &String| layout.names.iter().position(|n| n == name).unwrap_or_default();
     let places: Vec<usize> = names.iter().map(place).collect();
     let mut values: Vec<Vec<f64>> = vec![vec![]; names.len()];
     let (mut count, mut stray, mut first) = (0_u32, 0_u32, None);
-    let left_out = cells_of(path, layout)?.left_out();
+    let left_out = counted.left_out();
     for (row, line, text) in rows(path)? {
         let cells = split(&String::from_utf8_lossy(&text), char::from(layout.separator));
         if cells.iter().all(String::is_empty) && !text.contains(&b'"') {

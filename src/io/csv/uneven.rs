@@ -40,7 +40,7 @@ pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoE
 }
 
 /// Number of cells up to the last one that contains something.
-fn used<'a>(cells: impl Iterator<Item = &'a str>) -> usize {
+pub(super) fn used<'a>(cells: impl Iterator<Item = &'a str>) -> usize {
     let held = cells.enumerate().filter(|(_, cell)| !cell.trim().is_empty());
     held.last().map_or(0, |(k, _)| k + 1)
 }
