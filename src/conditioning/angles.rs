@@ -17,7 +17,7 @@ use super::finding::{Channel, Finding, Kind};
 use super::signal::{column, median_high, pieces, quantile};
 use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
-use crate::math::noise::quantum;
+use crate::math::noise::grid;
 
 /// Number of rows on either side from which the motion of the angle is estimated.
 const AROUND: usize = 4;
@@ -155,27 +155,36 @@ fn lasts(values: &[f64], (k, by): (usize, f64)) -> bool {
     (after - before - by).abs() < 0.5 * by.abs()
 }
 
-/// The period of the steps, if they have one: a known one, within 2 % and what the motion contributes to the steps, or
-/// one on which three steps and the range of the angle agree.
+/// The period of the steps, if they have one: a known one, within 2 % and what the motion contributes to the steps, that of a
+/// counter, or one on which three steps and the range of the angle agree.
 fn period(values: &[f64], steps: &[(usize, f64)]) -> Option<f64> {
     let size = median_high(steps.iter().map(|(_, by)| by.abs()));
     let range = range(values);
     let increments = increments(values);
     let moved = |k: usize| spread(&increments, k, ANGLES.wraps * range);
     let moves = |period: f64| steps.iter().all(|(k, _)| moved(*k) < 0.5 * ANGLES.wraps * period);
-    let are_alike = |period: f64| {
-        let most = |k: usize| ANGLES.same_step * period + moved(k);
-        steps.iter().all(|(k, by)| (by.abs() - period).abs() < most(*k))
+    let are_alike = |period: f64, apart: f64| {
+        steps.iter().all(|(k, by)| (by.abs() - period).abs() < apart + moved(*k))
     };
-    // no counter has less than six bits
-    let counts = quantum(values).map(|q| (q, (size / q).log2().round()));
-    let counts =
-        counts.filter(|(_, bits)| *bits >= ANGLES.counter_bits).map(|(q, bits)| q * bits.exp2());
-    let mut known = [Some(TAU), Some(0.5 * TAU), Some(2.0 * TAU), counts].into_iter().flatten();
-    let known = known.find(|p| range < 1.05 * p && moves(*p) && are_alike(*p));
+    let fits = |period: f64, apart: f64| {
+        range < 1.05 * period && moves(period) && are_alike(period, apart)
+    };
+    let turns = [TAU, 0.5 * TAU, 2.0 * TAU].into_iter();
+    let known = turns.into_iter().find(|turn| fits(*turn, ANGLES.same_step * turn));
+    let known = known.or_else(|| {
+        of_counter(values, size).filter(|(period, count)| fits(*period, *count)).map(|of| of.0)
+    });
     let alike = |by: f64| (by.abs() / size - 1.0).abs() < ANGLES.same_step;
     let is_one = || steps.len() >= 3 && range < 1.05 * size && steps.iter().all(|s| alike(s.1));
     known.or_else(|| is_one().then_some(size))
+}
+
+/// The period of a counter of n bits whose steps have about this `size`, and a count: its steps are as exact as the motion
+/// of their rows, so that no other step is taken for a wrap. No counter has less than six bits.
+fn of_counter(values: &[f64], size: f64) -> Option<(f64, f64)> {
+    let count = grid(values)?;
+    let bits = (size / count).log2().round();
+    (bits >= ANGLES.counter_bits).then(|| (count * bits.exp2(), count))
 }
 
 /// The increments around a row that do not wrap: those of an angle at rest on the end of its range wrap in every other row.

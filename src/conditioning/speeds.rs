@@ -25,7 +25,7 @@ use nalgebra::Vector2;
 use self::lag::pooled;
 pub use self::lag::{Lag, SpeedLag, common_lag, lags_differ};
 pub use self::of_angle::common_share;
-use super::finding::{Action, Channel, Finding, Kind};
+use super::finding::{Channel, Finding, Kind};
 use super::signal::{changes, column, median_step, noise_variance, pieces};
 use super::thresholds::SPEEDS;
 use super::{Conditioned, Context, Settings};
@@ -78,52 +78,84 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
         leave_out(work, settings, Kind::OfAngle { share });
         return;
     }
-    let lags: Vec<(Lag, bool)> = samples.iter().filter_map(lag).collect();
-    let of = |exact: bool| lags.iter().filter(move |l| l.1 || !exact).map(|l| l.0);
-    let [exact, own] = [true, false].map(|exact| pooled(&of(exact).collect::<Vec<_>>()));
-    let step = samples[0].step;
     let others = match context.speed_lag {
-        SpeedLag::Known(lag) => Some(lag),
+        SpeedLag::Known(lags) => Some(lags),
         _ => None,
     };
-    let sure = |lag: Option<Lag>| lag.filter(|l| l.is_sure(step));
-    let Some(lag) = sure(exact).or_else(|| shared(own, others)).or_else(|| sure(own)) else {
-        return;
-    };
-    let Lag { value: lag_s, std_error: std_error_s } = lag;
-    let spare = full_rate && samples.iter().all(|s| angles_suffice(s, lag_s));
-    let is_filtered = || !samples.iter().all(|s| delayed::is_delayed(s, lag_s));
-    if lag_s.abs() > SPEEDS.skew * step && spare && is_filtered() {
-        leave_out(work, settings, Kind::Filtered { lag_s, std_error_s });
-    } else if context.speed_lag == SpeedLag::Disputed {
-        let kind = Kind::LagsDiffer { lag_s, std_error_s };
-        let finding = |i| Finding { channel: Channel::Speed(i), kind, action: Action::Noted };
-        work.findings.extend([0, 1].map(finding));
-    } else {
-        for i in 0..2 {
-            let kind = Kind::Lag { lag_s, std_error_s };
-            work.findings.push(Finding::corrected(
-                Channel::Speed(i),
-                kind,
-                "speeds",
-                settings.speeds,
-            ));
-        }
+    let Some(lags) = lags(&samples, others) else { return };
+    let step = samples[0].step;
+    let late: Vec<(&Samples, f64)> = samples
+        .iter()
+        .zip(lags.map(|lag| lag.value))
+        .filter(|(_, lag)| lag.abs() > SPEEDS.skew * step)
+        .collect();
+    let spare = full_rate && samples.iter().zip(lags).all(|(s, lag)| angles_suffice(s, lag.value));
+    let is_filtered = || late.iter().any(|(s, lag)| !delayed::is_delayed(s, *lag));
+    if !late.is_empty() && spare && is_filtered() {
+        state(work, settings, lags, |lag_s, std_error_s| Kind::Filtered { lag_s, std_error_s });
         if settings.speeds {
-            advance(work, lag_s, full_rate);
+            work.channels.omega = None;
+        }
+    } else if context.speed_lag == SpeedLag::Disputed {
+        let noted = Settings { speeds: false, ..*settings };
+        state(work, &noted, lags, |lag_s, std_error_s| Kind::LagsDiffer { lag_s, std_error_s });
+    } else {
+        state(work, settings, lags, |lag_s, std_error_s| Kind::Lag { lag_s, std_error_s });
+        if settings.speeds {
+            advance(work, lags.map(|lag| lag.value), full_rate);
         }
     }
 }
 
-/// The lag of other recordings, unless this one contradicts it.
-fn shared(own: Option<Lag>, others: Option<Lag>) -> Option<Lag> {
-    let agrees = |others: &Lag| {
+/// Reports the lag of every wheel that has one.
+fn state(
+    work: &mut Conditioned,
+    settings: &Settings,
+    lags: [Lag; 2],
+    kind: impl Fn(f64, f64) -> Kind,
+) {
+    for (i, lag) in lags.iter().enumerate().filter(|(_, lag)| lag.value != 0.0) {
+        let kind = kind(lag.value, lag.std_error);
+        work.findings.push(Finding::corrected(Channel::Speed(i), kind, "speeds", settings.speeds));
+    }
+}
+
+/// The lag of each wheel's speed, zero for one in time; `None` if both are. That of both wheels together, unless they
+/// differ: one sensor is read like the other as a rule, and both show it better. A recording that does not show one takes
+/// that of the `others` of its log, unless it contradicts it.
+fn lags(samples: &[Samples], others: Option<[Lag; 2]>) -> Option<[Lag; 2]> {
+    let step = samples[0].step;
+    let own: Vec<Option<(Lag, bool)>> = samples.iter().map(lag).collect();
+    let sure = |lag: Option<Lag>| lag.filter(|l| l.is_sure(step));
+    if let [Some((a, _)), Some((b, _))] = own[..]
+        && a.differs_from(&b, step)
+    {
+        return Some([a, b].map(|lag| sure(Some(lag)).unwrap_or_default()));
+    }
+    let of = |exact: bool| own.iter().flatten().filter(move |l| l.1 || !exact).map(|l| l.0);
+    let [exact, any] = [true, false].map(|exact| pooled(&of(exact).collect::<Vec<_>>()));
+    let both = |lag: Option<Lag>| Some([sure(lag)?; 2]);
+    both(exact).or_else(|| shared(&own, any, others)).or_else(|| both(any))
+}
+
+/// The lags of other recordings, unless this one contradicts them: with both wheels together, or each of them if they
+/// have lags of their own.
+fn shared(
+    own: &[Option<(Lag, bool)>],
+    any: Option<Lag>,
+    others: Option<[Lag; 2]>,
+) -> Option<[Lag; 2]> {
+    let agrees = |own: Option<Lag>, other: &Lag| {
         own.is_none_or(|own| {
-            (own.value - others.value).abs()
-                < SPEEDS.lag_errors * own.std_error.hypot(others.std_error)
+            (own.value - other.value).abs()
+                < SPEEDS.lag_errors * own.std_error.hypot(other.std_error)
         })
     };
-    others.filter(agrees)
+    let alike = |[a, b]: &[Lag; 2]| a.value == b.value;
+    others.filter(|others| match alike(others) {
+        true => agrees(any, &others[0]),
+        false => others.iter().zip(own).all(|(other, own)| agrees(own.map(|own| own.0), other)),
+    })
 }
 
 /// What is left of speeds that were computed from the angles of both wheels, as a share of the angle's
@@ -290,35 +322,31 @@ fn angles_suffice(s: &Samples, lag: f64) -> bool {
     angle * 2.0_f64.sqrt() / lag.abs() < (SPEEDS.as_accurate * speed).max(RESOLVED * top)
 }
 
-/// Reads the speeds later by `lag`: whole rows by moving them, the rest by the acceleration around,
-/// so that the noise of each speed stays its own.
-fn advance(work: &mut Conditioned, lag: f64, full_rate: bool) {
+/// Reads each wheel's speed later by its lag: whole rows by moving it, the rest by the acceleration around, so that the
+/// noise of each speed stays its own.
+fn advance(work: &mut Conditioned, lags: [f64; 2], full_rate: bool) {
     let t = work.channels.t.clone();
     let step = median_step(&t);
-    let rows = (lag / step).round() as isize;
+    let rows = lags.map(|lag| (lag / step).round() as isize);
     // between the values of a slow sensor there is no slope
-    let rest = if full_rate { lag - rows as f64 * step } else { 0.0 };
+    let rest = |i: usize| if full_rate { lags[i] - rows[i] as f64 * step } else { 0.0 };
     let Some(omega) = &work.channels.omega else { return };
-    let pieces = pieces(&t);
     let mut out = omega.clone();
-    let mut there = vec![false; t.len()];
-    for piece in &pieces {
-        for k in piece.clone() {
-            let source = k as isize + rows;
-            if source < piece.start as isize || source >= piece.end as isize {
+    let mut there = vec![true; t.len()];
+    for piece in pieces(&t) {
+        for (k, i) in piece.clone().flat_map(|k| [(k, 0), (k, 1)]) {
+            let source = k.checked_add_signed(rows[i]).filter(|source| piece.contains(source));
+            let Some(source) = source else {
+                there[k] = false;
                 continue;
-            }
-            let source = source as usize;
+            };
             let near = source.saturating_sub(AROUND).max(piece.start)
                 ..(source + AROUND + 1).min(piece.end);
-            for i in 0..2 {
-                out[k][i] = omega[source][i] + rest * slope(&t, omega, near.clone(), i);
-            }
-            there[k] = true;
+            out[k][i] = omega[source][i] + rest(i) * slope(&t, omega, near, i);
         }
     }
     work.channels.omega = Some(out);
-    if rows != 0 {
+    if rows != [0; 2] {
         keep(work, &there);
     }
 }

@@ -15,7 +15,8 @@ use super::signal::{median_step, pieces};
 use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
 use crate::recording::{
-    View, Window, exchanged_input, exchanged_speeds, opposing_input, short_windows_of, windows_of,
+    View, Window, counts_backwards, exchanged_input, exchanged_speeds, opposing_input,
+    short_windows_of, windows_of,
 };
 
 /// Assigns speeds or angles to the wheel that they follow.
@@ -59,8 +60,9 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
     let found = windows_by(work, short_windows_of);
     let opposing: Vec<usize> = (0..2).filter(|i| opposing_input(&found, *i)).collect();
     for &i in &opposing {
-        // of one wheel that turns against the other nearly always it is the sensors that count backwards
-        let backwards = opposing.len() == 1 && are_opposed(&found);
+        // of one wheel that turns against the other nearly always, or answers to it as if it were mirrored, it is the
+        // sensors that count backwards
+        let backwards = opposing.len() == 1 && (are_opposed(&found) || counts_backwards(&found, i));
         let channels: &[Channel] =
             if backwards { &[Channel::Angle(i), Channel::Speed(i)] } else { &[Channel::Input(i)] };
         for &channel in channels {
@@ -183,6 +185,30 @@ mod tests {
                 "{seconds} {sign}: {:?}",
                 done.findings
             );
+        }
+    }
+
+    #[test]
+    fn a_wheel_that_answers_to_the_other_as_if_mirrored_counts_backwards() {
+        // the coupling of a robot whose centre of mass is ahead of its axle
+        let coupled = |c: &mut Channels| {
+            let omega = c.omega.clone().unwrap();
+            for (m, w) in c.torque.iter_mut().zip(&omega) {
+                *m = [0, 1].map(|i| m[i] + 2e-3 * w[1 - i] * (w[1 - i] - w[i]));
+            }
+        };
+        let mut right = channels();
+        coupled(&mut right);
+        for sensors in [true, false] {
+            let done = done(|c| {
+                coupled(c);
+                let motion = [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten();
+                match sensors {
+                    true => motion.flatten().for_each(|v| v[1] = -v[1]),
+                    false => c.torque.iter_mut().for_each(|m| m[1] = -m[1]),
+                }
+            });
+            assert!(same(&done.channels, &right), "{sensors}: {:?}", done.findings);
         }
     }
 

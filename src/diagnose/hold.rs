@@ -30,41 +30,56 @@ pub struct Known {
     pub p: Vec<f64>,
 }
 
+/// The input between its rows, as the motion shows it.
+#[derive(Clone, Debug)]
+pub enum Course {
+    /// On the line between its rows, or on a smooth curve through them: a held input contradicts the motion.
+    Line,
+    /// On that line or held: the motion does not distinguish the two, which differ by half a row in time.
+    LineOrHeld,
+    /// Another one.
+    Known(Known),
+}
+
 /// Whether the input is held through a row, as by a controller at the rate of the log, is recorded as its mean over a
 /// row, as by a logger that averages, or varies linearly to the next row: the model is fitted with each, and with its
-/// own time of the input. Linear interpolation is kept unless the windows contradict it with odds of twenty to one. If
+/// own time of the input. Linear interpolation is kept unless the windows contradict it with odds of twenty to one, and a
+/// smooth curve through the rows, which a line that is shifted by a part of a row is not, with the same odds. If
 /// the error of the model is larger than noise, an input must also act at its rows to be held; or they are compared
 /// again with the effect of the catalogue in the model, other than a second body or a delay, that explains most of the
 /// error. With means the error must be that of noise: otherwise the input varies within its rows in yet another way.
 ///
 /// Interpolation reduces the noise of the recorded input; therefore the contribution of noise to the
 /// errors is subtracted in all cases.
-///
-/// Returns `None` for an input on the line.
 #[must_use]
-pub fn acting_input(given: &AsRecorded) -> Option<Known> {
+pub fn course_of_input(given: &AsRecorded) -> Course {
     let AsRecorded { model, p, recordings, scale, .. } = given;
-    let line = given.fit()?;
-    let found = Accounts::of(given, (model, p), line)?;
-    if let Some(better) = found.better() {
-        return Some(better.known(p.len()));
+    let Some(line) = given.fit() else { return Course::LineOrHeld };
+    let Some(found) = Accounts::of(given, (model, p), line) else { return Course::LineOrHeld };
+    let course = found.course(p.len());
+    if matches!(course, Course::Known(_)) || found.others.iter().any(Account::is_right) {
+        return course;
     }
-    if found.others.iter().any(Account::is_right) {
-        return None;
-    }
-    let best = given.rivals().iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
-    if best.fit.cost >= THRESHOLDS.most_left * line.fit.cost {
-        return None;
-    }
-    let line = timed(&best.model, best.p(), 0.0, recordings, Hold::Linear, scale)?;
-    let found = Accounts::of(given, (&best.model, best.p()), &line)?;
-    found.better().map(|account| account.known(p.len()))
+    let with_effect = || {
+        let best = given.rivals().iter().min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))?;
+        if best.fit.cost >= THRESHOLDS.most_left * line.fit.cost {
+            return None;
+        }
+        let line = timed(&best.model, best.p(), 0.0, recordings, Hold::Linear, scale)?;
+        Some(Accounts::of(given, (&best.model, best.p()), &line)?.course(p.len()))
+    };
+    with_effect().unwrap_or(course)
 }
 
 /// A model fitted with the input on the line between its rows, and under the other accounts.
-struct Accounts {
+struct Accounts<'a, 'b> {
+    given: &'b AsRecorded<'a>,
+    /// The model and parameters near its fits.
+    near: (&'b Model, &'b [f64]),
     /// Squared innovations of every window on the line.
     line: Vec<f64>,
+    /// Time of the input on the line \[s\].
+    line_s: f64,
     others: Vec<Account>,
     /// Time from one row to the next \[s\].
     step: f64,
@@ -82,28 +97,56 @@ struct Account {
     p: Vec<f64>,
 }
 
-impl Accounts {
+impl<'a, 'b> Accounts<'a, 'b> {
     /// A model near `p`, of which `line` is the fit with the input on the line.
-    fn of(given: &AsRecorded, (model, p): (&Model, &[f64]), line: &Timed) -> Option<Self> {
-        let AsRecorded { recordings, scale, .. } = given;
-        let squares = |timed: &Timed| noiseless(&timed.windows, &timed.fit);
-        let account = |between: Between, start: f64| {
-            let timed = timed(model, p, start, recordings, between, scale)?;
-            let squares = squares(&timed)?;
-            let (error, time) = (timed.error(), (timed.time_s(), timed.std_error_s()));
-            Some(Account { between, squares, error, time, p: timed.fit.p })
-        };
+    fn of(given: &'b AsRecorded<'a>, near: (&'b Model, &'b [f64]), line: &Timed) -> Option<Self> {
+        let (step, line_s) = (given.scale.step, line.time_s());
+        let line = noiseless(&line.windows, &line.fit)?;
+        let mut found = Self { given, near, line, line_s, others: vec![], step };
         // the middle of a row that begins at its time is half a row later
-        let means = account(Between::Means, line.time_s() - 0.5 * scale.step);
-        let others = account(Between::Held, 0.0).into_iter().chain(means).collect();
-        Some(Self { line: squares(line)?, others, step: scale.step })
+        let starts = [(Between::Held, 0.0), (Between::Means, line_s - 0.5 * step)];
+        let others =
+            starts.into_iter().filter_map(|(between, start)| found.account(between, start));
+        found.others = others.collect();
+        Some(found)
     }
 
-    /// The account that leaves least of those that the windows prefer to the line. Where they do not distinguish a held
-    /// input from means of a row that has ended when they are recorded, the values are means: those of a held input are
-    /// the input itself, so that less is claimed. A command acts from its row on.
-    fn better(&self) -> Option<&Account> {
-        let better = || self.others.iter().filter(|account| self.is_better(account));
+    /// The fit under one account, with the time of the input from `start` \[s\].
+    fn account(&self, between: Between, start: f64) -> Option<Account> {
+        let AsRecorded { recordings, scale, .. } = self.given;
+        let timed = timed(self.near.0, self.near.1, start, recordings, between, scale)?;
+        let squares = noiseless(&timed.windows, &timed.fit)?;
+        let (error, time) = (timed.error(), (timed.time_s(), timed.std_error_s()));
+        Some(Account { between, squares, error, time, p: timed.fit.p })
+    }
+
+    /// What the windows show, with the first `count` parameters.
+    fn course(&self, count: usize) -> Course {
+        let held = self.others.iter().find(|account| account.between == Between::Held);
+        let line_is_surer = |held: &Account| is_surer(&held.squares, &self.line, held.error);
+        if held.is_some_and(line_is_surer) {
+            // means are sought beside the line alone
+            return self
+                .better(None)
+                .map_or(Course::Line, |better| Course::Known(better.known(count)));
+        }
+        let smooth = self.account(Between::Smooth, self.line_s);
+        if let Some(better) = self.better(smooth.as_ref()) {
+            return Course::Known(better.known(count));
+        }
+        let is_smooth = |held: &Account| {
+            smooth
+                .as_ref()
+                .is_some_and(|smooth| is_surer(&held.squares, &smooth.squares, smooth.error))
+        };
+        if held.is_some_and(is_smooth) { Course::Line } else { Course::LineOrHeld }
+    }
+
+    /// The account that leaves least of those that the windows prefer to the line, and to a `smooth` input. Where they do
+    /// not distinguish a held input from means of a row that has ended when they are recorded, the values are means: those
+    /// of a held input are the input itself, so that less is claimed. A command acts from its row on.
+    fn better(&self, smooth: Option<&Account>) -> Option<&Account> {
+        let better = || self.others.iter().filter(|account| self.is_better(account, smooth));
         let least = better().min_by(|a, b| a.sum().total_cmp(&b.sum()))?;
         let alike = |means: &&Account| {
             means.between == Between::Means
@@ -113,18 +156,23 @@ impl Accounts {
         Some(better().find(alike).unwrap_or(least))
     }
 
-    /// Both by the likelihood of the rows and by what the windows scatter about. The likelihood of an incomplete model
-    /// counts by as much less as its squared errors are larger than noise.
-    fn is_better(&self, account: &Account) -> bool {
-        let gain = self.line.iter().sum::<f64>() - account.sum();
-        let likely = gain > THRESHOLDS.alike * account.error.powi(2).max(1.0);
-        let sure = evidence(&self.line, &account.squares) > THRESHOLDS.alike;
+    fn is_better(&self, account: &Account, smooth: Option<&Account>) -> bool {
+        let surer = |than: &[f64]| is_surer(than, &account.squares, account.error);
         let possible = match account.between {
             Between::Means => account.is_right() && account.is_of_a_row(self.step),
             _ => account.is_right() || account.acts_at_rows(self.step),
         };
-        likely && sure && possible
+        possible && surer(&self.line) && smooth.is_none_or(|smooth| surer(&smooth.squares))
     }
+}
+
+/// Whether the second of two accounts is surer, by the squared innovations of every window: both by the likelihood of the
+/// rows and by what the windows scatter about. The likelihood of an incomplete model, of which the `error` is so many times
+/// noise, counts by as much less as its squared errors are larger than noise.
+fn is_surer(one: &[f64], other: &[f64], error: f64) -> bool {
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    let likely = sum(one) - sum(other) > THRESHOLDS.alike * error.powi(2).max(1.0);
+    likely && evidence(one, other) > THRESHOLDS.alike
 }
 
 impl Account {
@@ -144,12 +192,14 @@ impl Account {
         time.abs() <= uncertain && uncertain < THRESHOLDS.logging
     }
 
-    /// Whether the time of means is, within its uncertainty, that of the row that ends when they are recorded, of the one
-    /// that begins, or between the two. Means from later rows are not known yet: a motion that follows these has a delay
-    /// of the actuator; means from longer ago are those of no logger.
+    /// Whether the time of means is, within its uncertainty, that of the row that ends when they are recorded, or of the one
+    /// that begins. Half a row from both the middle of the means is their own time, where samples have it: these follow a
+    /// swift input nearly as means do. Means from later rows are not known yet: a motion that follows these has a delay of
+    /// the actuator; means from longer ago are those of no logger.
     fn is_of_a_row(&self, step: f64) -> bool {
         let uncertain = THRESHOLDS.uncertain * self.time.1;
-        (-step - uncertain..=uncertain).contains(&self.time.0)
+        let is_sample = (self.time.0 + 0.5 * step).abs() < 0.5 * THRESHOLDS.logging * step;
+        (-step - uncertain..=uncertain).contains(&self.time.0) && !is_sample
     }
 
     /// With the first `count` parameters, those of the model as given.
@@ -174,7 +224,8 @@ mod tests {
             let time = (time_s, 2e-4);
             Account { between: Between::Means, squares, error: 1.0, time, p }.is_of_a_row(step)
         };
-        assert!(of_a_row(-step) && of_a_row(-0.5 * step) && of_a_row(0.0));
+        assert!(of_a_row(-step) && of_a_row(-0.9 * step) && of_a_row(0.0));
+        assert!(!of_a_row(-0.5 * step) && !of_a_row(-0.3 * step));
         // within two standard errors of the ends, not beyond
         assert!(of_a_row(3e-4) && of_a_row(-step - 3e-4));
         assert!(!of_a_row(3.8e-3) && !of_a_row(-2.26 * step));

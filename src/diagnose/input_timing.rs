@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::cubic::{between_rows, cubic, weights_of_cubic};
-use super::row_means::line_with_means;
+use super::row_means::{line_with_means, line_with_means_of_spline};
 use crate::effects::{Change, Description, Energy, ParameterSpec, Physics, Scale};
 use crate::math::Real;
 use crate::model::Model;
@@ -23,6 +23,8 @@ pub const SYMBOL: &str = "input_shift";
 pub(super) enum Between {
     /// Those at the times of the rows; it varies linearly from one to the next.
     Line,
+    /// Those at the times of the rows; it varies smoothly from one to the next.
+    Smooth,
     /// Those that are held from each row to the next.
     Held,
     /// Means over a row of an input that varies within it.
@@ -49,7 +51,8 @@ impl From<Hold> for Between {
 ///
 /// ```text
 /// M(t) = M_recorded(t - shift),   cubic between the rows (Catmull and Rom), or, of a held input, its mean over each row,
-///                                 or, of means over a row, the line with these means
+///                                 or, of means over a row, the line with these means; of a smooth input the line with the
+///                                 means of the spline
 /// ```
 /// A cubic through a held command would let it act before it was given: its answer to the noise of the next speed would
 /// agree with that speed.
@@ -108,6 +111,7 @@ impl Physics for InputTiming {
         let last_s = || Some(t.last()? - t.iter().nth_back(1)?);
         Some(match self.between {
             Between::Line => later(t, m, p[0]),
+            Between::Smooth => line_with_means_of_spline(t, m, p[0], last_s()?),
             Between::Held => mean_later(t, m, p[0], last_s()?),
             Between::Means => line_with_means(t, m, p[0], last_s()?),
         })

@@ -5,7 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{
-    Accounts, Acting, AsRecorded, acting_input, more_likely_logging, speed_filter, timing,
+    Accounts, Acting, AsRecorded, Course, Known, course_of_input, more_likely_logging,
+    speed_filter, timing,
 };
 use crate::filter::noise_of_jumps;
 use crate::identify::{Task, start};
@@ -119,6 +120,14 @@ fn speeds_behind_a_low_pass_of_their_sensor_are_distinguished_from_a_lag_of_the_
     }
 }
 
+/// The input between its rows, if it is known not to be on the line.
+fn known(given: &AsRecorded) -> Option<Known> {
+    match course_of_input(given) {
+        Course::Known(known) => Some(known),
+        Course::Line | Course::LineOrHeld => None,
+    }
+}
+
 #[test]
 fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on() {
     let model = Model::base(Robot::amigobot());
@@ -129,7 +138,7 @@ fn an_input_that_is_held_between_the_rows_is_distinguished_from_one_that_runs_on
             let recordings = [&recording];
             let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
             let held = (truth == Hold::Constant).then_some(Acting::Held);
-            assert_eq!(acting_input(&given).map(|known| known.acting), held, "{seed}");
+            assert_eq!(known(&given).map(|known| known.acting), held, "{seed}");
         }
     }
 }
@@ -145,8 +154,7 @@ fn rows_that_are_means_of_a_held_input_up_to_there_are_found_with_the_right_iner
     late[0] = late[1];
     recording = recording.with_torque(late);
     let first = started(&model, &mut recording);
-    let known =
-        acting_input(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
+    let known = known(&AsRecorded::new(&model, &first, &[&recording], Hold::Linear)).unwrap();
     assert_eq!(known.acting, Acting::Held);
     let held = known.p;
     // the balance of torques a row late is off by more
@@ -172,13 +180,15 @@ fn an_input_that_is_recorded_after_it_acted_is_shifted_whatever_is_missing() {
     assert!((found.correction_s + row).abs() < 0.3 * row, "{found:?}");
 }
 
-/// 40 s at 50 Hz of the AmigoBot under torques of several frequencies up to 6 Hz, of which every row records the mean
-/// over the row before it, with speeds of noise 0.005 rad/s.
-fn averaged_input() -> Recording {
-    let (model, fine, h) = (Model::base(Robot::amigobot()), 20, 0.02);
+/// Time of the fine rows of [`waves`], of which 20 are one of the log \[s\].
+const FINE_S: f64 = 1e-3;
+
+/// 40 s at 50 Hz of the AmigoBot under torques of several frequencies up to 6 Hz, with speeds of noise 0.005 rad/s. The
+/// input of every row is what `recorded` makes of its number and of the torques in fine rows.
+fn waves(recorded: impl Fn(usize, &[[f64; 2]]) -> [f64; 2]) -> Recording {
+    let (model, fine, rows) = (Model::base(Robot::amigobot()), 20, 2000);
     let p = model.initial();
-    let rows = 2000;
-    let t: Vec<f64> = (0..rows * fine).map(|k| h / fine as f64 * k as f64).collect();
+    let t: Vec<f64> = (0..rows * fine).map(|k| FINE_S * k as f64).collect();
     let wave = |t: f64, i: usize| {
         let of = |rate: f64, phase: f64| (std::f64::consts::TAU * rate * t + phase).sin();
         p[A4] * (1.5 * of(0.31, i as f64) + 1.2 * of(2.3, 0.4) + of(5.9 - 0.7 * i as f64, 1.1))
@@ -191,16 +201,33 @@ fn averaged_input() -> Recording {
         || 0.005 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
     let of_rows = motion.iter().step_by(fine);
     let omega = of_rows.map(|s| s.omega.map(|w| w + noise())).collect();
-    // the line between fine rows has the mean of its ends
-    let mean = |row: usize, i: usize| {
-        let steps = (row.max(1) - 1) * fine..row.max(1) * fine;
-        steps.map(|k| 0.5 * (torque[k][i] + torque[(k + 1).min(torque.len() - 1)][i])).sum::<f64>()
-            / fine as f64
-    };
-    let recorded = (0..rows).map(|row| [mean(row, 0), mean(row, 1)]).collect();
-    let t = (0..rows).map(|row| h * row as f64).collect();
+    let recorded = (0..rows).map(|row| recorded(row * fine, &torque)).collect();
+    let t = (0..rows).map(|row| FINE_S * (row * fine) as f64).collect();
     let channels = Channels { t, alpha: None, omega: Some(omega), torque: recorded };
-    Recording::new("averaged", channels, DriveUnit::NewtonMetre).unwrap()
+    Recording::new("waves", channels, DriveUnit::NewtonMetre).unwrap()
+}
+
+/// The same, of which every row records the mean over the row before it.
+fn averaged_input() -> Recording {
+    // the line between fine rows has the mean of its ends
+    waves(|now, torque| {
+        let steps = now.saturating_sub(20)..now.max(20);
+        let mid =
+            |k: usize, i: usize| 0.5 * (torque[k][i] + torque[(k + 1).min(torque.len() - 1)][i]);
+        [0, 1].map(|i| steps.clone().map(|k| mid(k, i)).sum::<f64>() / 20.0)
+    })
+}
+
+#[test]
+fn a_smooth_input_that_acts_a_part_of_a_row_late_is_not_held() {
+    let model = Model::base(Robot::amigobot());
+    for late in [8, 17, 33] {
+        let mut recording = waves(|now, torque| torque[(now + late).min(torque.len() - 1)]);
+        let first = started(&model, &mut recording);
+        let recordings = [&recording];
+        let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
+        assert!(known(&given).is_none(), "{late}: {:?}", course_of_input(&given));
+    }
 }
 
 #[test]
@@ -210,7 +237,7 @@ fn rows_that_are_means_of_an_input_that_varies_within_them_are_found_with_the_ri
     let first = started(&model, &mut recording);
     let recordings = [&recording];
     let given = AsRecorded::new(&model, &first, &recordings, Hold::Linear);
-    let known = acting_input(&given).unwrap();
+    let known = known(&given).unwrap();
     let Acting::Mean { shift_s } = known.acting else { panic!("{known:?}") };
     let row = recording.step();
     assert!((shift_s + row).abs() < 0.02 * row, "{shift_s}");

@@ -39,9 +39,25 @@ pub struct Timing {
     /// Longest time that logging explains \[s\].
     #[serde(skip)]
     pub logging_s: f64,
+    /// Longest time from one row to the next \[s\].
+    #[serde(skip)]
+    pub step_s: f64,
+    /// Whether the input may be held from row to row, although the time is that of one on the line between them.
+    #[serde(skip)]
+    pub is_open: bool,
 }
 
 impl Timing {
+    /// The dead time \[s\] if the input is held from row to row, where the motion does not tell this from the line: what is
+    /// held acts half a row later than the line. `None` too if it would act before it is given, and if that is within the
+    /// uncertainty of the time.
+    #[must_use]
+    pub fn if_held_s(&self) -> Option<f64> {
+        let (half, uncertain) = (0.5 * self.step_s, THRESHOLDS.uncertain * self.std_error_s);
+        let held = self.dead_time_s - half;
+        (self.is_open && held >= -uncertain && half > uncertain).then_some(held)
+    }
+
     /// Whether the motion is later than logging explains and no part of the time is removed: a logger that holds
     /// its input explains half a row, one that differentiates an encoder another half.
     #[must_use]
@@ -117,7 +133,8 @@ pub fn timing(
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
-    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s: scale.logging })
+    let logging_s = scale.logging;
+    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s: step, is_open: false })
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a

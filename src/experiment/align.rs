@@ -1,13 +1,13 @@
 //! Preparation of the training recordings before identification: initial values of shape parameters, and the
 //! time of the recorded input.
 
-use super::between_rows::note_unknown_course;
+use super::between_rows::{apply_course, note_unknown_course};
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
-    Accounts, Acting, AsRecorded, Computed, Judge, Known, LowPass, SpeedFilter, StartAngle,
-    THRESHOLDS, Timing, Untimed, acting_input, more_likely_logging, phases, shapes_placed,
-    speed_filter, start_angles, timing, with_later_input, with_line_of_means,
+    Accounts, AsRecorded, Computed, Course, Judge, LowPass, SpeedFilter, StartAngle, THRESHOLDS,
+    Timing, Untimed, course_of_input, more_likely_logging, phases, shapes_placed, speed_filter,
+    start_angles, timing, with_later_input,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
@@ -59,17 +59,25 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let own = plan.model.shifts_input();
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
+    // whether the input may be held, although the line between its rows is as good
+    let mut is_open = false;
     if !own {
         if let Some(moved) = by_other_account(plan, &start, share, asked.settings) {
             start = moved;
             share = share_of_noise(plan, &start);
         }
-        if asked.hold.is_none()
-            && let Some(fitted) = between_rows(plan, &start, share, asked.settings.rows)
-        {
-            start = fitted;
-            // the share of noise that was assumed for linear interpolation
-            share = share_of_noise(plan, &start);
+        if asked.hold.is_none() {
+            match course(plan, &start, share) {
+                Course::Known(known) => {
+                    if let Some(fitted) = apply_course(plan, known, asked.settings.rows) {
+                        start = fitted;
+                        // the share of noise that was assumed for linear interpolation
+                        share = share_of_noise(plan, &start);
+                    }
+                }
+                Course::LineOrHeld => is_open = plan.truth.is_empty(),
+                Course::Line => {}
+            }
         }
     }
     if plan.hold == Hold::Constant {
@@ -79,7 +87,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         in_phase(plan, &start, share);
     }
     if !own {
-        plan.timing = time_of_input(plan, &start);
+        plan.timing = time_of_input(plan, &start).map(|timing| Timing { is_open, ..timing });
         share = plan.timing.ok().and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
     note_unknown_course(plan);
@@ -105,33 +113,11 @@ fn by_other_account(
     as_logged(plan, &given, settings).or_else(|| unfiltered(plan, &given, start, settings.speeds))
 }
 
-/// Holds the input until the next row, or, if `correct`, replaces its means by the line with these means, if the motion
-/// indicates this, and reports it. Returns the parameters for such an input, or `None` if it is unchanged.
-fn between_rows(plan: &mut Plan, start: &[f64], share: f64, correct: bool) -> Option<Vec<f64>> {
+/// The input between its rows, by the motion of the training recordings.
+fn course(plan: &Plan, start: &[f64], share: f64) -> Course {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
-    let given = AsRecorded::new(&plan.model, start, &recordings, Hold::Linear);
-    let Known { acting, p } = acting_input(&given)?;
-    let step = recordings.iter().map(|r| r.step()).fold(0.0, f64::max);
-    let of = |channel| match acting {
-        Acting::Held => Finding { channel, kind: Kind::HeldInput, action: Action::Used },
-        Acting::Mean { shift_s } => {
-            let kind = Kind::RowMeans { middle_s: shift_s + 0.5 * step };
-            Finding::corrected(channel, kind, "rows", correct)
-        }
-    };
-    for MeasuredRecording { recording, conditioning, .. } in &mut plan.recordings {
-        conditioning.extend([0, 1].map(|i| of(Channel::Input(i))));
-        if let (Acting::Mean { shift_s }, true) = (acting, correct) {
-            *recording = with_line_of_means(recording, shift_s);
-        }
-    }
-    match acting {
-        Acting::Held => plan.hold = Hold::Constant,
-        Acting::Mean { .. } if !correct => return None,
-        Acting::Mean { .. } => {}
-    }
-    Some(p)
+    course_of_input(&AsRecorded::new(&plan.model, start, &recordings, Hold::Linear))
 }
 
 /// The time of the input by the motion of the training recordings. A model without friction, or one that the motion

@@ -217,14 +217,13 @@ fn short_windows(recordings: &[MeasuredRecording]) -> Option<Remark> {
     (longest_s < WINDOW).then_some(Remark::ShortWindows { longest_s })
 }
 
-/// The remark on the proportions of a robot that stands in for an unknown one, where the recordings do not determine
-/// those.
+/// The remark on the inertias of a robot of unknown construction that the recordings do not determine.
 fn proportions(model: &Model, recordings: &[MeasuredRecording]) -> Option<Remark> {
-    let robot = model.robot().assumed.clone()?;
+    model.robot().assumed.as_ref()?;
     let train = recordings.iter().filter(|m| m.role == Role::Train);
     let train: Vec<Recording> = train.map(|m| m.recording.clone()).collect();
     let lacking = if train.is_empty() { None } else { lacking(&train) }?;
-    Some(Remark::Proportions { robot, straight: lacking == Lacking::Turns })
+    Some(Remark::Proportions { straight: lacking == Lacking::Turns })
 }
 
 /// Ids of the effects that depend on the track of the robot: of the catalogue, and user-defined candidates.

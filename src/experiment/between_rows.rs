@@ -1,4 +1,5 @@
-//! Torques and currents of which the log has one sample a row while they change at the rows.
+//! The input between the rows, as far as the motion shows it, and torques and currents of which the log has one sample a
+//! row while they change at the rows.
 //!
 //! A motor under a voltage that is held from row to row has a current that falls in between, as the motor gains speed:
 //!
@@ -11,13 +12,43 @@
 //! At a constant period the fall is proportional to the acceleration, as is the torque of the inertia, so the motion
 //! cannot distinguish the two; it only shows that the input changes at the rows.
 
-use super::plan::Plan;
+use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind};
-use crate::diagnose::{THRESHOLDS, Timing};
-use crate::recording::DriveUnit;
+use crate::diagnose::{Acting, Known, THRESHOLDS, Timing, with_line_of_means};
+use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
+use crate::study::Role;
 
-/// Reports this for measured torques and currents that change at the rows.
+/// Holds the input until the next row, or, if `correct`, replaces its means by the line with these means, and reports it.
+/// Returns the parameters for such an input, or `None` if it is unchanged.
+pub(super) fn apply_course(
+    plan: &mut Plan,
+    Known { acting, p }: Known,
+    correct: bool,
+) -> Option<Vec<f64>> {
+    let step = plan.of(Role::Train).iter().map(Recording::step).fold(0.0, f64::max);
+    let of = |channel| match acting {
+        Acting::Held => Finding { channel, kind: Kind::HeldInput, action: Action::Used },
+        Acting::Mean { shift_s } => {
+            let kind = Kind::RowMeans { middle_s: shift_s + 0.5 * step };
+            Finding::corrected(channel, kind, "rows", correct)
+        }
+    };
+    for MeasuredRecording { recording, conditioning, .. } in &mut plan.recordings {
+        conditioning.extend([0, 1].map(|i| of(Channel::Input(i))));
+        if let (Acting::Mean { shift_s }, true) = (acting, correct) {
+            *recording = with_line_of_means(recording, shift_s);
+        }
+    }
+    match acting {
+        Acting::Held => plan.hold = Hold::Constant,
+        Acting::Mean { .. } if !correct => return None,
+        Acting::Mean { .. } => {}
+    }
+    Some(p)
+}
+
+/// Reports measured torques and currents that change at the rows.
 pub(super) fn note_unknown_course(plan: &mut Plan) {
     let is_made = !plan.truth.is_empty();
     if is_made || plan.drive_unit() == DriveUnit::Volt {

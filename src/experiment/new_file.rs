@@ -162,6 +162,20 @@ mod tests {
     }
 
     #[test]
+    fn a_dead_encoder_is_asked_about() {
+        let row = |t: f64| {
+            format!("{t},0,{},{},{}", 5.0 * (1.3 * t).sin(), (1.3 * t).cos(), (1.3 * t).cos())
+        };
+        let found = drafted("dead.csv", "t,w_r,w_l,tau_r,tau_l", row, 2000);
+        assert!(
+            found.is_open && found.words.contains("the right wheel never moves"),
+            "{}",
+            found.words
+        );
+        assert!(found.text.contains("columns of the other wheel may be used"), "{}", found.text);
+    }
+
+    #[test]
     fn a_magnitude_is_asked_for_by_the_rule_that_refuses_it() {
         // inertia alone: the input is large while the speed rises and while it falls
         let row = |t: f64| {

@@ -40,7 +40,11 @@ pub(super) fn of_the_set(mut recordings: Vec<MeasuredRecording>) -> Vec<Measured
 fn without_stated(found: Vec<Finding>, conditioning: &[conditioning::Finding]) -> Vec<Finding> {
     let is_stated = |issue: &Issue| {
         conditioning.iter().any(|f| match (f.channel, f.kind, issue) {
-            (Channel::Speed(i), Kind::Gain { .. }, Issue::Ratio { wheel, .. }) => i == *wheel,
+            (
+                Channel::Speed(i),
+                Kind::Gain { .. } | Kind::Gear { .. },
+                Issue::Ratio { wheel, .. },
+            ) => i == *wheel,
             _ => false,
         })
     };

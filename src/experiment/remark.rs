@@ -41,10 +41,8 @@ pub enum Remark {
         /// Name of the other.
         other: String,
     },
-    /// The recordings do not determine parameters whose proportions are those of another robot.
+    /// The recordings do not determine inertias of a robot of unknown construction.
     Proportions {
-        /// Its name.
-        robot: String,
         /// Whether the recordings lack turns; otherwise they lack travel other than turns on the spot.
         straight: bool,
     },
@@ -118,7 +116,7 @@ impl fmt::Display for Remark {
                 "{name} has the same samples as {other}: they are counted twice, and the intervals are too narrow; \
                  remove one"
             ),
-            Self::Proportions { robot, straight } => {
+            Self::Proportions { straight } => {
                 let (what, held, sum) = match straight {
                     true => ("turns", "a2 and a3 are", "a1 + a2"),
                     false => ("travel other than turns on the spot", "a2 is", "a1 - a2"),
@@ -126,7 +124,7 @@ impl fmt::Display for Remark {
                 write!(
                     f,
                     "the training recordings contain no {what}: unless they determine them nevertheless, only {sum} is \
-                     identifiable, and {held} in the ratio of {robot}, an assumption, because [robot] preset = \"unknown\". \
+                     identifiable, and {held} held at zero, because [robot] preset = \"unknown\": a1 is then that combination. \
                      Record {what}, or write the construction data"
                 )
             }

@@ -8,8 +8,8 @@ use super::error::{ExperimentError, Meaning};
 use super::reading::{Reading, Shown};
 use super::source::MeasuredRecording;
 use crate::conditioning::{
-    Encoders, Finding, Kind, SpeedLag, common_encoders, common_lag, common_share, common_slow_pair,
-    lags_differ,
+    Encoders, Finding, Kind, Lag, SpeedLag, common_encoders, common_lag, common_share,
+    common_slow_pair, lags_differ,
 };
 use crate::recording::share_noise;
 use crate::study::Role;
@@ -158,8 +158,10 @@ fn settled(
     if lag.is_some() || shown.speeds_of_angles.is_some() {
         let shows = |findings: &[Finding]| {
             let own = common_lag([findings].into_iter());
-            own.zip(lag).is_some_and(|(own, lag)| own.std_error <= EXACT * lag.std_error)
-                || common_share([findings].into_iter()).is_some()
+            let as_exact = |(own, lag): ([Lag; 2], [Lag; 2])| {
+                (0..2).all(|i| own[i].std_error <= EXACT * lag[i].std_error)
+            };
+            own.zip(lag).is_some_and(as_exact) || common_share([findings].into_iter()).is_some()
         };
         again(shown, &mut measured, &|findings| !shows(findings))?;
     }

@@ -31,7 +31,8 @@ const FACTORS: [f64; 2] = [0.5, 2.0];
 /// attributes the veer to the inertias, with a small standard error. If the recordings contain hardly any turns (or
 /// hardly any travel) they are therefore fixed, unless a regression with free values simulates held-out pieces
 /// significantly better (by two paired standard errors) than with half or twice the inertia in question. Fixed values
-/// have the ratio to the estimated combination that they have in the construction data.
+/// have the ratio to the estimated combination that they have in the construction data; without these they are zero, so
+/// that a1 is the combination.
 ///
 /// A command of one size does not determine dry friction, which could explain all of it. It is held at zero then: the
 /// motion is simulated by the other parameters, whose scale is unknown.
@@ -155,14 +156,15 @@ impl Unexcited {
         let (initial, found) = (task.model.initial(), start(task, "start").ok()?);
         let combined = |p: &[f64], sign: f64| p[A1] + sign * p[A2];
         let ratio = combined(&found, sign) / combined(&initial, sign);
+        let is_built = task.model.robot().assumed.is_none();
+        let known = combined(&initial, sign);
+        let open = if is_built { combined(&initial, -sign) } else { known };
         // a2 of the estimated combination with `factor` times the other one
-        let a2 = |factor: f64| {
-            let (known, open) = (combined(&initial, sign), combined(&initial, -sign));
-            0.5 * sign * (known - factor * open)
-        };
+        let a2 = |factor: f64| 0.5 * sign * (known - factor * open);
+        let a3 = if is_built { initial[A3] } else { 0.0 };
         let fixed = |factor: f64| {
             let fix = |model: Model, &j: &usize| {
-                let value = if j == A2 { a2(factor) } else { initial[j] };
+                let value = if j == A2 { a2(factor) } else { a3 };
                 model.fix(&parameters[j].spec.symbol, ratio * value).ok()
             };
             places.iter().try_fold(task.model.clone(), fix)
@@ -274,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn the_proportions_of_what_is_held_are_those_of_a_named_robot() {
+    fn what_is_held_has_the_proportions_of_the_construction_data_or_is_zero() {
         let (model, recording) = veering();
         let train = [recording];
         let unknown = Robot { assumed: Some("AmigoBot".into()), ..Robot::amigobot() };
@@ -287,6 +289,8 @@ mod tests {
                 _ => None,
             });
             assert_eq!(said, Some((vec!["a2".into(), "a3".into()], is_assumed)));
+            // without construction data a1 is the sum
+            assert_eq!(is_assumed, [A2, A3].into_iter().all(|j| fit.estimates[j].value == 0.0));
         }
         assert!(model.robot().assumed.is_none());
     }

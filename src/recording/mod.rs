@@ -35,9 +35,9 @@ pub(crate) use noise::FEW_LEVELS;
 pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};
 pub(crate) use quality::{
-    Lacking, RatioUnit, SHORT, SLOW, UnitError, View, Window, exchanged_input, exchanged_speeds,
-    is_full_turn, lacking, opposing_input, short_windows_of, shows_no_motion, steps_before,
-    windows_of,
+    Lacking, RatioUnit, SHORT, SLOW, UnitError, View, Window, counts_backwards, exchanged_input,
+    exchanged_speeds, is_full_turn, lacking, opposing_input, short_windows_of, shows_no_motion,
+    steps_before, windows_of,
 };
 pub use recording::Recording;
 pub(crate) use refresh::REGULAR;

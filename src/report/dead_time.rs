@@ -39,13 +39,24 @@ fn value(timing: &Timing) -> String {
             ms(-dead_time_s + reach)
         ),
         false => format!(
-            "{} ± {} ms from input to motion (95 %: {} to {} ms)",
+            "{} ± {} ms from input to motion (95 %: {} to {} ms{})",
             ms(dead_time_s),
             ms(std_error_s),
             ms(dead_time_s - reach),
-            ms(dead_time_s + reach)
+            ms(dead_time_s + reach),
+            if_held(timing)
         ),
     }
+}
+
+/// The time if the input is held from row to row, where that is possible.
+fn if_held(timing: &Timing) -> String {
+    timing.if_held_s().map_or_else(String::new, |time| {
+        format!(
+            "; {} ms if the input is held from row to row, hold = \"constant\", which these recordings do not exclude",
+            ms(time)
+        )
+    })
 }
 
 /// The dead time between input and motion with its interval and its treatment, by the model as given.
@@ -153,7 +164,8 @@ mod tests {
     use super::*;
 
     fn of(dead_time_s: f64, correction_s: f64) -> Timing {
-        Timing { dead_time_s, std_error_s: 0.0004, correction_s, logging_s: 0.005 }
+        let std_error_s = 0.0004;
+        Timing { dead_time_s, std_error_s, correction_s, logging_s: 0.005, ..Timing::default() }
     }
 
     #[test]
@@ -178,6 +190,16 @@ mod tests {
             "the input acts 3.8 ± 0.4 ms before it is recorded (95 %: 3.0 to 4.6 ms); not corrected"
         ));
         assert!(of(0.0002, 0.0).ends_with("not significantly different from zero"));
+    }
+
+    #[test]
+    fn an_input_that_may_be_held_has_two_times() {
+        let open = |time| Timing { step_s: 0.01, is_open: true, ..of(time, 0.0) };
+        let late = dead_time(&open(0.025));
+        assert!(late.contains("24.2 to 25.8 ms; 20.0 ms if the input is held"), "{late}");
+        // a held input acts from its row on
+        assert!(!dead_time(&open(0.001)).contains("held"));
+        assert!(!dead_time(&of(0.025, 0.0)).contains("held"));
     }
 
     #[test]

@@ -80,7 +80,7 @@ mod tests {
         let gear = |ratio| finding(Channel::Speed(0), Kind::Gear { ratio });
         assert!(joined(gear(2.0), gear(0.5)).is_none());
         let text = joined(gear(2.0), gear(2.5)).unwrap();
-        assert!(text.contains("write scale = 0.4000 to 0.5000 in dalpha1"), "{text}");
+        assert!(text.contains("write scale = 0.40000 to 0.50000 in dalpha1"), "{text}");
     }
 
     #[test]

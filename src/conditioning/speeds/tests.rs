@@ -185,7 +185,7 @@ fn a_recording_too_short_to_show_its_lag_takes_that_of_the_others() {
     assert_eq!(lag_of(&done(short.clone()).findings), None);
     let context = Context { speed_lag: SpeedLag::Known(common), ..Context::default() };
     let together = condition(short, &Settings::default(), &context).unwrap();
-    assert_eq!(lag_of(&together.findings), Some((common.value, common.std_error)));
+    assert_eq!(lag_of(&together.findings), Some((common[0].value, common[0].std_error)));
     // a recording that shows that its speeds are in time keeps them
     let sound = condition(late(0.0, 0.02, 5), &Settings::default(), &context).unwrap();
     assert_eq!(lag_of(&sound.findings), None);
@@ -331,6 +331,32 @@ fn a_speed_does_not_lead_its_angle_by_more_than_a_row() {
     }
     let (lag, _) = lag_of(&done(late_beside(-0.006, 0.02, 0.01, 1)).findings).unwrap();
     assert!((lag + 0.006).abs() < 1e-3, "{lag}");
+}
+
+#[test]
+fn wheels_with_lags_of_their_own_are_each_brought_to_their_angle() {
+    for [right, left] in [[0.03, 0.01], [0.03, 0.0]] {
+        let mut log = late_beside(right, 0.02, 0.01, 1);
+        let other = late_beside(left, 0.02, 0.01, 2).omega.unwrap();
+        log.omega.iter_mut().flatten().zip(&other).for_each(|(w, other)| w[1] = other[1]);
+        let done = done(log);
+        let of = |i: usize| {
+            let found: Vec<Finding> =
+                done.findings.iter().filter(|f| f.channel == Channel::Speed(i)).copied().collect();
+            lag_of(&found)
+        };
+        for (i, lag) in [right, left].into_iter().enumerate() {
+            let (value, error) = of(i).unwrap_or((0.0, 0.0));
+            assert!((value - lag).abs() <= 3.0 * error, "{i}: {value} {lag} {error}");
+            let (t, omega) = (&done.channels.t, done.channels.omega.as_ref().unwrap());
+            let errors = t.iter().zip(omega).skip(20).take(2900).map(|(t, w)| w[i] - speed(*t)[i]);
+            let mean_square = errors.map(|e| e * e).sum::<f64>() / 2900.0;
+            assert!((mean_square.sqrt() / 0.02 - 1.0).abs() < 0.1, "{i}: {}", mean_square.sqrt());
+        }
+        // and recordings that do not show them take each wheel's
+        let common = common_lag([done.findings.as_slice()].into_iter()).unwrap();
+        assert_eq!(common.map(|lag| lag.value), [0, 1].map(|i| of(i).map_or(0.0, |lag| lag.0)));
+    }
 }
 
 #[test]

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::kind::Kind;
-use crate::conditioning::{self, Channel, Context, Finding, Settings, Stated, condition, stated};
+use crate::conditioning::{
+    self, Channel, ConditioningError, Context, Finding, Settings, Stated, condition, stated,
+};
 use crate::experiment::error::ExperimentError;
 use crate::experiment::guess::{About, Guess, Guessed, in_a_line};
 use crate::experiment::remarks::repeated;
 use crate::experiment::unrepaired::is_needed;
 use crate::io::{Column, ColumnMap, foreign_encoding, preview, read_channels, uneven_rows};
-use crate::recording::{DriveUnit, Recording};
+use crate::recording::{DriveUnit, Recording, shows_no_motion};
 use crate::report::format::hertz;
 
 /// Text for a recording that cannot be read with the columns as detected; the question gives the reason.
@@ -143,6 +145,14 @@ fn look(path: &Path, guess: &Guess) -> Result<(Recording, Vec<Finding>, usize), 
     let done = condition(channels, &settings, &context).map_err(|e| e.to_string())?;
     raw.channels = done.channels;
     let recording = raw.recording(guess.drive_unit).map_err(|e| e.to_string())?;
+    if (0..2).any(|i| shows_no_motion(&recording, i)) {
+        let raw = read_channels(path, &columns).map_err(|e| e.to_string())?;
+        if let Err(dead @ ConditioningError::Dead { .. }) =
+            condition(raw.channels, &Settings::default(), &context)
+        {
+            return Err(dead.to_string());
+        }
+    }
     findings.extend(done.findings);
     // the sign of an input does not depend on the scale of the motion
     findings.retain(|f| is_scaled || matches!(f.kind, conditioning::Kind::Magnitude));

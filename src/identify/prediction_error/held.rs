@@ -118,8 +118,11 @@ impl Held {
     }
 }
 
-/// The inertia a2 or a3, number `j`, in the ratio to a1 + a2 that it has in the construction data.
+/// The inertia a2 or a3, number `j`, in the ratio to a1 + a2 that it has in the construction data; zero without these.
 pub(super) fn in_proportion(model: &Model, j: usize, p: &[f64]) -> f64 {
+    if model.robot().assumed.is_some() {
+        return 0.0;
+    }
     let (initial, sum) = (model.initial(), |p: &[f64]| p[A1] + p[A2]);
     if sum(p) > 0.0 { sum(p) / sum(&initial) * initial[j] } else { initial[j] }
 }

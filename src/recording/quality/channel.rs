@@ -1,8 +1,8 @@
 //! Checks of every channel separately: constant values, limits, spikes, jumps, coarse steps.
 
-use super::super::Recording;
 use super::super::never_moves;
 use super::super::noise::quantum;
+use super::super::{DriveUnit, Recording};
 use super::{Finding, Issue, Quantity, Severity, quantile};
 
 /// A spike deviates from both neighbours by this many times the ordinary deviation.
@@ -18,12 +18,16 @@ const AT_LIMIT: (usize, f64) = (20, 0.005);
 /// Share of samples at the extreme above which the input is a command of constant magnitude.
 const CONSTANT_COMMAND: f64 = 0.4;
 
+/// Largest current \[A\], voltage \[V\] and torque \[N m\] of the motor of a wheel (taste: those of heavy vehicles are below).
+const MOST: (f64, f64, f64) = (500.0, 1000.0, 1e4);
+
 pub(super) fn findings(r: &Recording) -> Vec<Finding> {
     let mut out = Vec::new();
     for i in 0..2 {
         out.extend(still(r, i));
         out.extend(constant_input(r, i));
         out.extend(limit(r, i));
+        out.extend(too_large(r, i));
         if r.measured().alpha {
             out.extend(jumps(r, i));
             out.extend(spikes(r, Quantity::Angle, i, r.alpha()));
@@ -63,6 +67,18 @@ fn constant_input(r: &Recording, i: usize) -> Option<Finding> {
     let (low, high) = extremes(r.torque(), i);
     let issue = Issue::ConstantInput { wheel: i, value: low, unit: r.drive_unit() };
     (low >= high).then(|| Finding::new(Severity::Warning, issue))
+}
+
+/// Inputs that no motor of a wheel has, as values in thousandths of their unit are.
+fn too_large(r: &Recording, i: usize) -> Option<Finding> {
+    let (unit, top) = (r.drive_unit(), quantile(r.torque().iter().map(|m| m[i]), 0.95));
+    let most = match unit {
+        DriveUnit::Ampere => MOST.0,
+        DriveUnit::Volt => MOST.1,
+        DriveUnit::NewtonMetre => MOST.2,
+    };
+    let issue = Issue::TooLarge { wheel: i, top, unit };
+    (top > most).then(|| Finding::new(Severity::Warning, issue))
 }
 
 /// Many samples exactly at the largest or smallest input.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::quantile;
 use super::window::Window;
 use crate::math::distribution::t_survival;
-use crate::math::{correlation, fit, sgn};
+use crate::math::{Moments, correlation, fit, sgn};
 
 /// Smallest number of windows in motion for a check.
 pub(super) const FEWEST: usize = 10;
@@ -60,6 +60,51 @@ pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
     let chance = t_survival(-fit.inertia / fit.std_error, (fit.windows - COEFFICIENTS) as f64);
     let is_short = fit.windows < 3 * FEWEST;
     work < 0.0 && (chance < CHANCE || brakes && is_short && chance < SLOPE)
+}
+
+/// Whether of a wheel whose input opposes its motion it is the sensors that have the wrong sign, by the torques between
+/// the wheels, which depend on the direction in which the other one turns. `false` where these do not show it.
+///
+/// ```text
+/// M1 = a1 w1' + a2 w2' + a3 w2 (w2 - w1) + a4 sgn w1 + b w1     (and with the wheels exchanged; a1 to a3 common)
+/// ```
+pub(crate) fn counts_backwards(windows: &[Window], i: usize) -> bool {
+    let [input, sensors] = [false, true].map(|sensors| balance(windows, i, sensors));
+    let (Some(input), Some(sensors)) = (input, sensors) else { return false };
+    let gains: Vec<f64> = input.iter().zip(&sensors).map(|(a, b)| a * a - b * b).collect();
+    let sample = Moments::of(gains.iter().copied());
+    // Vuong's test of two models of which neither contains the other, in windows
+    sample.mean > 0.0 && t_survival(sample.mean / sample.std_error(), sample.count - 1.0) < CHANCE
+}
+
+/// Residuals of both wheels' torques with the input of wheel `i` reversed, or its `sensors`.
+fn balance(windows: &[Window], i: usize, sensors: bool) -> Option<Vec<f64>> {
+    let turned = |w: &Window| {
+        let mut w = *w;
+        match sensors {
+            true => (w.speed[i], w.acceleration[i]) = (-w.speed[i], -w.acceleration[i]),
+            false => w.torque[i] = -w.torque[i],
+        }
+        w
+    };
+    let windows: Vec<Window> = moving(windows, i).into_iter().map(turned).collect();
+    if windows.len() < FEWEST {
+        return None;
+    }
+    let x = DMatrix::from_fn(2 * windows.len(), 7, |k, j| {
+        let (w, own) = (&windows[k / 2], k % 2);
+        let (speed, other) = (w.speed[own], w.speed[1 - own]);
+        match j {
+            0 => w.acceleration[own],
+            1 => w.acceleration[1 - own],
+            2 => other * (other - speed),
+            _ if (j - 3) / 2 != own => 0.0,
+            3 | 5 => sgn(speed),
+            _ => speed,
+        }
+    });
+    let y = DVector::from_fn(2 * windows.len(), |k, _| windows[k / 2].torque[k % 2]);
+    Some(fit(&x, &y, None).ok()?.residuals.iter().copied().collect())
 }
 
 /// Whether a wheel is at rest until its input begins, which is not smaller than that of the other wheel: by its inertia

@@ -134,6 +134,15 @@ pub enum Issue<C = usize, R = f64> {
     SpotOnly,
     /// A wheel turns in one direction only; `true`: forward.
     OneWay(usize, bool),
+    /// An input larger than any motor of a wheel has.
+    TooLarge {
+        /// 0 (right) or 1 (left).
+        wheel: usize,
+        /// Its largest values.
+        top: R,
+        /// Unit of the input.
+        unit: DriveUnit,
+    },
     /// Wheel speeds above any realistic value.
     TooFast {
         /// The highest [rad/s].

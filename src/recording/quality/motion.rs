@@ -11,6 +11,9 @@ use crate::robot::Robot;
 
 /// Deviation from one of the ratio of speed to derivative of the angle that is tolerated.
 const RATIO: f64 = 0.05;
+/// Standard errors of the ratio by which it must deviate: in rows that are slow against the motion a mean speed is not the
+/// slope of the angle, and single windows scatter.
+const SURE: f64 = 5.0;
 /// Deviation above which results are wrong and not only inaccurate.
 const WRONG: f64 = 0.2;
 /// Highest realistic speed of a robot [m/s].
@@ -64,8 +67,12 @@ fn ratio(windows: &[Window], i: usize, robot: &Robot) -> Option<Finding> {
     if ratios.len() < FEWEST {
         return None;
     }
-    let ratio = median_high(ratios);
-    if (ratio - 1.0).abs() <= RATIO {
+    let ratio = median_high(ratios.iter().copied());
+    let spread = median_high(ratios.iter().map(|r| (r - ratio).abs()));
+    // for a normal distribution 1.48 median deviations are one standard deviation, and 1.25 of these over the root of
+    // their number the standard error of a median
+    let std_error = 1.48 * 1.25 * spread / (ratios.len() as f64).sqrt();
+    if (ratio - 1.0).abs() <= RATIO.max(SURE * std_error) {
         return None;
     }
     let severity = if (ratio - 1.0).abs() > WRONG { Severity::Problem } else { Severity::Warning };

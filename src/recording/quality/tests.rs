@@ -108,7 +108,7 @@ fn speeds_in_a_wrong_unit_are_named_with_their_unit() {
         with(&r, |c| omega(c).iter_mut().for_each(|w| w[wheel] *= factor))
     };
     finds(&scaled(9.5493, 0), &[&["dalpha1 is 9.5", "dalpha1 is in rpm"]]);
-    finds(&scaled(-1.0, 1), &[&["dalpha2 is -1.0", "sign", "scale = -1"]]);
+    finds(&scaled(-1.0, 1), &[&["dalpha2 is -1 times", "sign", "scale = -1"]]);
     finds(&scaled(1.27, 1), &[&["dalpha2 is 1.2", "gear ratio"]]);
     finds(&scaled(0.05, 0), &[&["dalpha1 is 0.0", "dalpha1 is in m/s"]]);
     let degrees = said(&scaled(57.2958, 0));

@@ -14,7 +14,27 @@ fn gear_scale(ratio: Span<f64>) -> String {
     } else {
         ("alpha", ratio)
     };
-    format!("scale = {scale:.4} in {key}1 and {key}2")
+    format!("scale = {} in {key}1 and {key}2", scale.written(plain))
+}
+
+/// Five digits of a factor, as a file can contain it.
+fn plain(factor: f64) -> String {
+    let decimals = (4.0 - factor.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{factor:.decimals$}")
+}
+
+/// Smallest and largest radius \[m\] of wheels that a speed in m/s may be told by (taste: wheels of toys and of vehicles).
+const WHEELS_M: [f64; 2] = [0.005, 0.5];
+
+/// The radius that would also explain the ratio of a speed to the slope of its angle.
+fn or_metres(ratio: Span<f64>) -> String {
+    if ratio.low() < WHEELS_M[0] || ratio.high() > WHEELS_M[1] {
+        return String::new();
+    }
+    let radius = ratio.written(plain);
+    format!(
+        "; for speeds in m/s of wheels of radius {radius} m write unit = \"m/s\" in dalpha1 and dalpha2 and r_m"
+    )
 }
 
 /// The gear that would also explain the factor of a unit: a length, like a gear, may have any value.
@@ -142,9 +162,11 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             or_gear(factor, unit)
         ),
         Kind::Gear { ratio } => format!(
-            "{name} is {ratio:.4} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
-                 motor and wheel write {}",
-            gear_scale(ratio)
+            "{name} is {} times the slope of its counterpart, which is not the factor of a unit; for a gear between \
+                 motor and wheel, or counts of another number per turn, write {}{}",
+            ratio.written(plain),
+            gear_scale(ratio),
+            or_metres(ratio)
         ),
         Kind::Gain { ratio, .. } => format!(
             "{name} is {ratio:.4} times the slope of its angle: one of the two is calibrated wrongly. If it \
@@ -156,7 +178,9 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             format!("{name} acts against the motion of its wheel")
         }
         Kind::Opposing => {
-            format!("{name} runs opposite to its input and, nearly always, to the other wheel")
+            format!(
+                "{name} runs opposite to its input, and in relation to the other wheel as if it were counted backwards"
+            )
         }
         Kind::Exchanged => format!("{name} belongs to the other wheel, whose motion it follows"),
         Kind::Lag { lag_s, std_error_s } => {

@@ -91,9 +91,14 @@ impl StatedIssue {
                 "wheel speeds up to {top:.0} rad/s, {:.0} m/s on wheels of {radius} m",
                 top.map(|top| top * radius.low())
             ),
+            Self::TooLarge { wheel, top, unit } => {
+                let top = top.map(|top| round_significant(top, 2));
+                format!("M{} reaches {top}{}", wheel + 1, unit_after(unit))
+            }
             Self::ExchangedSpeeds => "dalpha1 follows alpha2 and dalpha2 follows alpha1".into(),
             Self::Ratio { wheel, ratio, .. } => {
-                format!("dalpha{0} is {ratio:.4} times the slope of alpha{0}", wheel + 1)
+                let ratio = ratio.written(|ratio| round_significant(ratio, 4).to_string());
+                format!("dalpha{0} is {ratio} times the slope of alpha{0}", wheel + 1)
             }
             Self::ExchangedInput => "M1 moves wheel 2 and M2 moves wheel 1".into(),
             Self::SignUntested(i) => format!("the sign of M{} is not tested", i + 1),
@@ -192,6 +197,13 @@ impl StatedIssue {
             }
             Self::TooFast { .. } => {
                 "check their unit (rpm? deg/s?) and the wheel radius of [robot]"
+            }
+            Self::TooLarge { unit, .. } => {
+                return format!(
+                    "more than the motor of a wheel has; if the values are thousandths, write unit = \"m{}\" for M1 and M2 in \
+                     `columns`",
+                    unit.symbol()
+                );
             }
             Self::ExchangedSpeeds => {
                 "the wheels are exchanged in one pair of columns (wheel 1 is the right one); swap \

@@ -246,11 +246,10 @@ impl fmt::Display for Note {
                 "{}: in the ratio that the construction data of {robot} give, not by these data.",
                 symbols.join(", ")
             ),
-            Self::Proportions { symbols, robot, .. } => write!(
+            Self::Proportions { symbols, .. } => write!(
                 f,
-                "{}: in the ratio of {robot}, an assumption, because the construction of this robot is unknown and these \
-                 data do not determine them. Use only the identifiable combination, or write the construction data under \
-                 [robot].",
+                "{}: held at zero, because the construction of this robot is unknown and these data do not determine them. \
+                 Use only the identifiable combination, or write the construction data under [robot].",
                 symbols.join(", ")
             ),
             Self::BiasedByInput => f.write_str(

@@ -54,6 +54,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Issue<C, R> {
             Self::StraightOnly => Issue::StraightOnly,
             Self::SpotOnly => Issue::SpotOnly,
             Self::OneWay(wheel, forward) => Issue::OneWay(wheel, forward),
+            Self::TooLarge { wheel, top, unit } => Issue::TooLarge { wheel, top: real(top), unit },
             Self::TooFast { top, radius } => {
                 Issue::TooFast { top: real(top), radius: real(radius) }
             }
