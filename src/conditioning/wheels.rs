@@ -9,13 +9,13 @@
 //! or it acts against the acceleration (c1 five standard errors below zero) and its work is negative,
 //! which friction and inertia cannot cause.
 
-use super::finding::{Channel, Finding, Kind};
+use super::finding::{Action, Channel, Finding, Kind};
 use super::input::speeds;
 use super::signal::{median_step, pieces};
 use super::thresholds::ANGLES;
 use super::{Conditioned, Settings};
 use crate::recording::{
-    View, Window, counts_backwards, exchanged_input, exchanged_speeds, opposing_input,
+    View, Window, counts_backwards, exchanged_input, exchanged_speeds, is_mirrored, opposing_input,
     short_windows_of, windows_of,
 };
 
@@ -59,6 +59,10 @@ pub(super) fn inputs(work: &mut Conditioned, settings: &Settings) {
     }
     let found = windows_by(work, short_windows_of);
     let opposing: Vec<usize> = (0..2).filter(|i| opposing_input(&found, *i)).collect();
+    if opposing.is_empty() && is_mirrored(&found) {
+        let (channel, kind) = (Channel::Sensors, Kind::Mirrored);
+        work.findings.push(Finding { channel, kind, action: Action::Noted });
+    }
     for &i in &opposing {
         // of one wheel that turns against the other nearly always, or answers to it as if it were mirrored, it is the
         // sensors that count backwards
@@ -199,17 +203,23 @@ mod tests {
         };
         let mut right = channels();
         coupled(&mut right);
-        for sensors in [true, false] {
-            let done = done(|c| {
+        let turned = |sensors: bool, input: bool| {
+            done(|c| {
                 coupled(c);
-                let motion = [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten();
-                match sensors {
-                    true => motion.flatten().for_each(|v| v[1] = -v[1]),
-                    false => c.torque.iter_mut().for_each(|m| m[1] = -m[1]),
-                }
-            });
+                let motion = [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten().flatten();
+                let input_too = c.torque.iter_mut().filter(|_| input);
+                motion.filter(|_| sensors).chain(input_too).for_each(|v| v[1] = -v[1]);
+            })
+        };
+        assert!(turned(false, false).findings.is_empty());
+        for sensors in [true, false] {
+            let done = turned(sensors, !sensors);
             assert!(same(&done.channels, &right), "{sensors}: {:?}", done.findings);
         }
+        // which wheel it is the data do not show
+        let both = turned(true, true);
+        let stated: Vec<_> = both.findings.iter().map(|f| (f.kind, f.action)).collect();
+        assert_eq!(stated, [(Kind::Mirrored, Action::Noted)]);
     }
 
     #[test]

@@ -36,8 +36,8 @@ pub use noise::share_noise;
 pub use quality::{Finding, Gaps, Issue, Quality, Quantity, Severity, StatedIssue, quality};
 pub(crate) use quality::{
     Lacking, RatioUnit, SHORT, SLOW, UnitError, View, Window, counts_backwards, exchanged_input,
-    exchanged_speeds, is_full_turn, lacking, opposing_input, short_windows_of, shows_no_motion,
-    steps_before, windows_of,
+    exchanged_speeds, is_full_turn, is_mirrored, lacking, opposing_input, short_windows_of,
+    shows_no_motion, steps_before, windows_of,
 };
 pub use recording::Recording;
 pub(crate) use refresh::REGULAR;

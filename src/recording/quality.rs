@@ -16,7 +16,9 @@ pub use issue::{Issue, Quantity, StatedIssue};
 pub(crate) use issue::{RatioUnit, SHORT, SLOW, UnitError, is_full_turn};
 
 pub(crate) use channel::{shows_no_motion, steps_before};
-pub(crate) use consistency::{counts_backwards, exchanged_input, exchanged_speeds, opposing_input};
+pub(crate) use consistency::{
+    counts_backwards, exchanged_input, exchanged_speeds, is_mirrored, opposing_input,
+};
 pub(crate) use excitation::{Lacking, lacking};
 pub(crate) use window::{View, Window, short_windows_of, windows_of};
 

@@ -275,6 +275,8 @@ pub enum Kind<C = usize, R = f64> {
     },
     /// A speed or angle that stays at one value while its counterpart shows motion; the channels of this kind are not used.
     DeadSensor,
+    /// Torques between the wheels as if one of them were counted backwards, sensors and input alike.
+    Mirrored,
     /// Speeds without angles that are encoder counts; the accumulated angle is used.
     Counts {
         /// One count \[rad\].
@@ -377,6 +379,7 @@ impl Kind {
             Self::Differences { lag_s, .. } => ("differences_of_angle", lag_s, "s"),
             Self::OfAngle { share } => ("computed_from_angle", share, "1"),
             Self::DeadSensor => ("dead_sensor", 1.0, "1"),
+            Self::Mirrored => ("mirrored", -1.0, "1"),
             Self::Counts { step_rad, .. } => ("counts", step_rad, "rad"),
             Self::FewLevels { levels } => ("few_levels", levels as f64, "levels"),
             Self::Magnitude => ("magnitude", 1.0, "1"),

@@ -91,6 +91,7 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             Self::Sign => Kind::Sign,
             Self::Opposing => Kind::Opposing,
             Self::DeadSensor => Kind::DeadSensor,
+            Self::Mirrored => Kind::Mirrored,
             Self::Exchanged => Kind::Exchanged,
             Self::Lag { lag_s, std_error_s } => {
                 Kind::Lag { lag_s: real(lag_s), std_error_s: real(std_error_s) }

@@ -1,7 +1,7 @@
 //! The motion of the body, which is not that of a wheel: position, orientation and angular velocity as vectors.
 //!
 //! The components 1, 2 and 3 of a pose are no motors 1, 2 and 3: their names state an odometry, a pose or an inertial
-//! sensor.
+//! sensor. Beside x, y and a heading, `v` and `omega` are the speeds of the body and no voltage and no wheel.
 
 use super::guessed::{Candidate, Guess};
 use crate::io::{PreviewColumn, words};
@@ -19,6 +19,10 @@ const BODY: [&str; 10] = [
     "mocap",
     "optitrack",
 ];
+/// Names of the heading beside x and y, and of the speeds of a body with these.
+const HEADINGS: [&str; 7] = ["theta", "yaw", "heading", "psi", "phi", "th", "orientation"];
+const SPEEDS: [&str; 12] =
+    ["v", "w", "omega", "vx", "vy", "vz", "wz", "velocity", "vel", "speed", "linear", "angular"];
 /// Columns that are named in the answer.
 const SHOWN: usize = 24;
 
@@ -34,8 +38,21 @@ pub(super) fn apply(all: &mut [Candidate]) {
     }
 }
 
-/// Whether a name is that of a component of a vector of three of the body.
+/// Whether a name is that of a component of a vector of three of the body, or of its pose in the plane.
 fn is_of_body(name: &[String], names: &[Vec<String>]) -> bool {
+    is_of_vector(name, names) || is_of_pose(name, names)
+}
+
+/// Whether a name is one word for a place, a heading or a speed beside x, y and a heading.
+fn is_of_pose(name: &[String], names: &[Vec<String>]) -> bool {
+    let is_heading = |name: &[String]| matches!(name, [one] if HEADINGS.contains(&one.as_str()));
+    let has = |word: &str| names.iter().any(|n| matches!(&n[..], [one] if one == word));
+    let is_one = matches!(name, [one] if matches!(one.as_str(), "x" | "y") || SPEEDS.contains(&one.as_str()));
+    (is_one || is_heading(name)) && has("x") && has("y") && names.iter().any(|n| is_heading(n))
+}
+
+/// Whether a name is that of a component of a vector of three of the body.
+fn is_of_vector(name: &[String], names: &[Vec<String>]) -> bool {
     let Some((number, rest)) = name.split_last() else { return false };
     let has = |number: &str| names.iter().any(|n| n.split_last() == Some((&number.into(), rest)));
     let is_number = ["1", "2", "3"].contains(&number.as_str());
@@ -103,6 +120,21 @@ mod tests {
         let found = guess(&log(&[&names[..], &wheels].concat()));
         assert!(!found.asked().contains("no columns of the wheels"), "{}", found.asked());
         assert!(found.columns.iter().any(|c| c.name == "right_rpm"), "{found:?}");
+    }
+
+    #[test]
+    fn a_pose_in_the_plane_with_its_speeds_has_no_wheels() {
+        let pose = ["x", "y", "theta", "v", "omega"];
+        let found = guess(&log(&pose));
+        assert!(
+            found.asked().starts_with("this log has no columns of the wheels"),
+            "{}",
+            found.asked()
+        );
+        let wheels = ["omega_r", "omega_l", "u_r [V]", "u_l [V]"];
+        let found = guess(&log(&[&pose[..], &wheels].concat()));
+        assert!(found.columns.iter().any(|c| c.name == "omega_r"), "{found:?}");
+        assert!(found.columns.iter().all(|c| !pose.contains(&c.name.as_str())), "{found:?}");
     }
 
     #[test]

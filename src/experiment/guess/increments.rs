@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::guessed::{Candidate, Guess, Guessed};
 use super::names::Quantity;
 use super::times::{row_step, seconds};
-use super::values::{extent, values_of, whole};
+use super::values::{extent, never_falls, values_of, whole};
 use crate::io::{PreviewColumn, words};
 use crate::math::{fit, mean, sgn};
 
@@ -157,8 +157,8 @@ fn are_speeds(values: &[f64], input: &[f64]) -> bool {
     let rows: Vec<(f64, f64)> = rows.map(|(x, u)| (*x, *u)).collect();
     let (low, high) = extent(values);
     let jumps = |w: &[(f64, f64)]| (w[1].0 - w[0].0).abs() > 0.5 * (high - low);
-    // a counter wraps or is reset
-    if rows.windows(2).any(jumps) {
+    // a counter wraps or is reset; one that never falls is not a speed, which returns to zero
+    if rows.windows(2).any(jumps) || never_falls(values) {
         return false;
     }
     let of_block = |block: &[(f64, f64)]| {

@@ -95,6 +95,7 @@ pub(super) fn guess(columns: &[PreviewColumn]) -> Guess {
     out.ask_all(owners);
     let directions = directions::Directions::of(columns);
     wheels.add_to(&mut out, columns, &directions);
+    centred::of_converter(columns, &mut out);
     complete(&all, columns, &mut out);
     directions.give(columns, &mut out);
     signs::bounce(columns, &mut out);
@@ -126,6 +127,7 @@ fn complete(all: &[Candidate], columns: &[PreviewColumn], out: &mut Guess) {
     values::questions(columns, out, input);
     stated::apply(out);
     out.ask_all(signs::lost(all, columns, out));
+    out.ask_all(signs::counters(columns, out));
     commands::apply(columns, battery, out);
     let remark = labels::without_cells(columns);
     out.columns.iter_mut().take(1).for_each(|c| c.evidence.extend(remark.clone()));

@@ -103,3 +103,9 @@ pub(super) fn short(value: f64, decimals: usize) -> String {
 pub(super) fn whole(values: &[f64]) -> bool {
     values.iter().all(|v| !v.is_finite() || v.fract() == 0.0)
 }
+
+/// Whether values rise and never fall.
+pub(in crate::experiment) fn never_falls(values: &[f64]) -> bool {
+    let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    held.first() < held.last() && held.windows(2).all(|w| w[0] <= w[1])
+}

@@ -1,8 +1,8 @@
 //! Speeds that lost their sign.
 
-use super::guessed::{Candidate, Guess};
+use super::guessed::{Candidate, Guess, Guessed};
 use super::names::Quantity;
-use super::values::{AT_REST, extent, is_never_negative, values_of};
+use super::values::{AT_REST, extent, is_never_negative, never_falls, values_of};
 use crate::io::PreviewColumn;
 
 /// The question on speeds that are never negative although their set-points are: the wheels turned both ways,
@@ -24,6 +24,42 @@ pub(super) fn lost(all: &[Candidate], columns: &[PreviewColumn], guess: &Guess) 
             asked.column.name
         )
     })
+}
+
+/// Share of the largest input beyond which it drives backward, rows after which a wheel has stopped under it, and number of
+/// such drives (judgement).
+const BACKWARD: f64 = 0.2;
+const STOPPED: usize = 20;
+const DRIVES: usize = 3;
+
+/// The question on counters that never fall, although their input drives them backward for long.
+pub(super) fn counters(columns: &[PreviewColumn], guess: &Guess) -> Option<String> {
+    let of = |key: &str| guess.columns.iter().find(|c| c.key == key);
+    let [angles, inputs] = [["alpha1", "alpha2"], ["M1", "M2"]].map(|keys| keys.map(of));
+    let is_one = |(angle, input): (&Option<&Guessed>, &Option<&Guessed>)| {
+        let values = |one: &Option<&Guessed>| one.map(|c| values_of(columns, &c.name));
+        let Some((counts, input)) = values(angle).zip(values(input)) else { return false };
+        never_falls(counts) && drives_back(counts, input) >= DRIVES
+    };
+    if !angles.iter().zip(&inputs).all(is_one) {
+        return None;
+    }
+    let [angle, input] = [angles[0]?, inputs[0]?].map(|c| &c.name);
+    Some(format!(
+        "`{angle}` never falls, although `{input}` drives the wheel backward for long: a counter without direction? It counts \
+         a motion back as one forward: record both channels of the encoder, or use rows with motion in one direction alone"
+    ))
+}
+
+/// How often `counts` still rise when an input has driven backward for longer than it takes to stop.
+fn drives_back(counts: &[f64], input: &[f64]) -> usize {
+    let limit = -BACKWARD * input.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let (mut rows, mut found) = (0, 0);
+    for (k, u) in input.iter().enumerate().take(counts.len()) {
+        rows = if *u < limit { rows + 1 } else { 0 };
+        found += usize::from(rows == 2 * STOPPED && counts[k] > counts[k - STOPPED]);
+    }
+    found
 }
 
 /// Rows over which a speed is compared on either side of its lowest.

@@ -5,8 +5,8 @@ use super::guessed::{About, Guess, Guessed};
 use super::model_key::effects_of;
 use super::names::named;
 pub(super) use super::samples::{
-    extent, increases, is_constant, is_never_negative, largest, never_varies, short, top_of,
-    values_of, whole,
+    extent, increases, is_constant, is_never_negative, largest, never_falls, never_varies, short,
+    top_of, values_of, whole,
 };
 use super::times::{no_time, time, time_question};
 use crate::io::PreviewColumn;

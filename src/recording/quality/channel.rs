@@ -4,6 +4,7 @@ use super::super::never_moves;
 use super::super::noise::quantum;
 use super::super::{DriveUnit, Recording};
 use super::{Finding, Issue, Quantity, Severity, quantile};
+use crate::math::median_high;
 
 /// A spike deviates from both neighbours by this many times the ordinary deviation.
 const SPIKE: f64 = 8.0;
@@ -91,13 +92,32 @@ fn limit(r: &Recording, i: usize) -> Option<Finding> {
     let (extreme, samples) = [low, high].map(|x| (x, count(x))).into_iter().max_by_key(|c| c.1)?;
     let both = count(low) + count(high);
     let share = both as f64 / r.len() as f64;
-    if samples < AT_LIMIT.0 || share < AT_LIMIT.1 || on_few_levels(r, i) {
+    if samples < AT_LIMIT.0 || share < AT_LIMIT.1 || on_few_levels(r, i) || rests(r, i, extreme) {
         return None;
     }
     let (unit, is_command) = (r.drive_unit(), share > CONSTANT_COMMAND);
     let severity = if is_command { Severity::Note } else { Severity::Warning };
     let issue = Issue::AtLimit { wheel: i, value: extreme, unit, share, is_command };
     Some(Finding::new(severity, issue))
+}
+
+/// Smallest number of levels other than its extremes at which a command rests as long as at them (judgement).
+const LEVELS: usize = 3;
+
+/// Whether an input rests at other values than its extreme ones and zero as long as at an `extreme` one: a stick that is
+/// held, not a limit.
+fn rests(r: &Recording, i: usize, extreme: f64) -> bool {
+    let (low, high) = extremes(r.torque(), i);
+    let stays: Vec<(f64, usize)> = r
+        .torque()
+        .chunk_by(|a, b| a[i] == b[i])
+        .map(|rows| (rows[0][i], rows.len()))
+        .filter(|(_, rows)| *rows > 1)
+        .collect();
+    let at_it = stays.iter().filter(|(value, _)| *value == extreme);
+    let usual = median_high(at_it.map(|(_, rows)| *rows as f64));
+    let others = stays.iter().filter(|(value, _)| *value != low && *value != high && *value != 0.0);
+    others.filter(|(_, rows)| *rows as f64 >= usual).count() >= LEVELS
 }
 
 /// Whether a channel is so coarse that every level occurs often, including the extreme ones.

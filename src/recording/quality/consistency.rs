@@ -69,22 +69,31 @@ pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
 /// M1 = a1 w1' + a2 w2' + a3 w2 (w2 - w1) + a4 sgn w1 + b w1     (and with the wheels exchanged; a1 to a3 common)
 /// ```
 pub(crate) fn counts_backwards(windows: &[Window], i: usize) -> bool {
-    let [input, sensors] = [false, true].map(|sensors| balance(windows, i, sensors));
-    let (Some(input), Some(sensors)) = (input, sensors) else { return false };
-    let gains: Vec<f64> = input.iter().zip(&sensors).map(|(a, b)| a * a - b * b).collect();
-    let sample = Moments::of(gains.iter().copied());
-    // Vuong's test of two models of which neither contains the other, in windows
+    let turned = |speed, torque| balance(windows, i, speed, torque);
+    is_surely_better(turned(1.0, -1.0), turned(-1.0, 1.0))
+}
+
+/// Whether one of the wheels is counted backwards, sensors and input alike, by the same torques: these depend then on the
+/// sum of the wheels' speeds in place of their difference. Which of the wheels it is they do not show.
+pub(crate) fn is_mirrored(windows: &[Window]) -> bool {
+    is_surely_better(balance(windows, 1, 1.0, 1.0), balance(windows, 1, -1.0, -1.0))
+}
+
+/// Whether the second of two balances leaves less, by Vuong's test of two models of which neither contains the other.
+fn is_surely_better(one: Option<Vec<f64>>, other: Option<Vec<f64>>) -> bool {
+    let (Some(one), Some(other)) = (one, other) else { return false };
+    let gains = one.iter().zip(&other).map(|(a, b)| a * a - b * b);
+    let sample = Moments::of(gains);
     sample.mean > 0.0 && t_survival(sample.mean / sample.std_error(), sample.count - 1.0) < CHANCE
 }
 
-/// Residuals of both wheels' torques with the input of wheel `i` reversed, or its `sensors`.
-fn balance(windows: &[Window], i: usize, sensors: bool) -> Option<Vec<f64>> {
+/// Residuals of both wheels' torques, with the speed and the torque of wheel `i` times these signs.
+fn balance(windows: &[Window], i: usize, speed: f64, torque: f64) -> Option<Vec<f64>> {
     let turned = |w: &Window| {
         let mut w = *w;
-        match sensors {
-            true => (w.speed[i], w.acceleration[i]) = (-w.speed[i], -w.acceleration[i]),
-            false => w.torque[i] = -w.torque[i],
-        }
+        w.speed[i] *= speed;
+        w.acceleration[i] *= speed;
+        w.torque[i] *= torque;
         w
     };
     let windows: Vec<Window> = moving(windows, i).into_iter().map(turned).collect();

@@ -3,51 +3,9 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use super::factor::{gear_scale, or_gear, or_metres, plain};
 use crate::conditioning::{Action, Channel, Finding, Kind, Stated};
 use crate::math::Span;
-
-/// Possible gear ratio for a ratio of speed to derivative of the angle, and the columns that it converts to
-/// those of the wheel, i.e. the columns of the faster shaft.
-fn gear_scale(ratio: Span<f64>) -> String {
-    let (key, scale) = if ratio.low() > 1.0 {
-        ("dalpha", ratio.map(|ratio| 1.0 / ratio))
-    } else {
-        ("alpha", ratio)
-    };
-    format!("scale = {} in {key}1 and {key}2", scale.written(plain))
-}
-
-/// Five digits of a factor, as a file can contain it.
-fn plain(factor: f64) -> String {
-    let decimals = (4.0 - factor.abs().log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{factor:.decimals$}")
-}
-
-/// Smallest and largest radius \[m\] of wheels that a speed in m/s may be told by (taste: wheels of toys and of vehicles).
-const WHEELS_M: [f64; 2] = [0.005, 0.5];
-
-/// The radius that would also explain the ratio of a speed to the slope of its angle.
-fn or_metres(ratio: Span<f64>) -> String {
-    if ratio.low() < WHEELS_M[0] || ratio.high() > WHEELS_M[1] {
-        return String::new();
-    }
-    let radius = ratio.written(plain);
-    format!(
-        "; for speeds in m/s of wheels of radius {radius} m write unit = \"m/s\" in dalpha1 and dalpha2 and r_m"
-    )
-}
-
-/// The gear that would also explain the factor of a unit: a length, like a gear, may have any value.
-fn or_gear(factor: Span<f64>, unit: &str) -> String {
-    if !matches!(unit, "m" | "m/s") {
-        return String::new();
-    }
-    format!(
-        " (or a gear of {:.4} lies between motor and wheel: write {})",
-        factor.map(|factor| factor.max(1.0 / factor)),
-        gear_scale(factor)
-    )
-}
 
 /// When a sensor gives no new value.
 fn dead_time(stretches: Span<usize>, from_s: Span<f64>, to_s: Span<f64>) -> String {
@@ -141,7 +99,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             one(rows, "row")
         ),
         Kind::Wrapped { period_rad, turns } => {
-            format!("{name} wraps at {period_rad:.6} rad, {turns} times")
+            format!("{name} wraps at {period_rad:.6} rad, {}", one(turns, "time"))
         }
         Kind::Reset { row, step_rad } => {
             format!("{name} jumps by {step_rad:+.4} rad at row {row} and stays there")
@@ -272,6 +230,10 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
                 "{name} stays at one value while the {other} of its wheel changes: its sensor is dead"
             )
         }
+        Kind::Mirrored => "the torques between the wheels depend on the sum of their speeds, where those of a robot depend \
+                           on the difference: one side seems to be counted backwards, input and sensors alike. If so, write \
+                           scale = -1 in alpha2, dalpha2 and M2 (or in those of wheel 1: forward is positive for both)"
+            .into(),
         Kind::Counts { step_rad, rows } => format!(
             "{name} is computed from encoder counts over {}, one count is {step_rad:.6} rad",
             one(rows, "row")
@@ -337,6 +299,7 @@ fn done(name: &str, kind: Kind<Span<usize>, Span<f64>>) -> Cow<'static, str> {
         Kind::Gear { .. }
         | Kind::Gain { .. }
         | Kind::LagsDiffer { .. }
+        | Kind::Mirrored
         | Kind::OneSampleARow { .. } => "left as recorded",
         Kind::Sign | Kind::Opposing => "sign reversed",
         Kind::Exchanged => "exchanged",

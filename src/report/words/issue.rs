@@ -134,9 +134,12 @@ impl StatedIssue {
                  their intervals: use prediction_error, and log faster"
             }
             Self::Gaps(_, short) => {
-                return format!(
-                    "gaps are left out; {short} pieces are too short to judge an error on"
-                );
+                let short = match (short.high(), number(short, "piece")) {
+                    (0, _) => String::new(),
+                    (1, piece) => format!("; {piece} between them is too short to judge an error on"),
+                    (_, pieces) => format!("; {pieces} between them are too short to judge an error on"),
+                };
+                return format!("gaps are left out{short}");
             }
             Self::ConstantInput { wheel, value, .. } if value.low() == 0.0 => {
                 return format!("{} coasts, or its input was not recorded", WHEELS[wheel]);

@@ -2,6 +2,7 @@
 //! has its own file, since it is made from all of a diagnosis at once.
 
 mod error_name;
+mod factor;
 mod finding;
 mod issue;
 mod name;
