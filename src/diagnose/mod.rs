@@ -9,6 +9,7 @@ mod candidate;
 mod candidates;
 mod cubic;
 mod cutoff;
+mod dead_time;
 mod differences;
 mod evidence;
 mod fit;
@@ -45,6 +46,7 @@ pub use as_recorded::AsRecorded;
 pub use candidate::{Candidate, Form};
 pub use candidates::candidates;
 pub use cutoff::cutoff;
+pub use dead_time::Timing;
 pub use differences::{Difference, difference};
 pub use fit::{WindowFit, fit};
 pub use hold::{Acting, Course, Known, course_of_input};
@@ -62,7 +64,7 @@ pub use search::{Data, Progress, Settings, StartAngle, diagnose, start_angles};
 pub use shapes::shapes_placed;
 pub use speed_filter::{SpeedFilter, speed_filter};
 pub use thresholds::{THRESHOLDS, Thresholds};
-pub use timing::{Timing, timing};
+pub use timing::timing;
 pub use untimed::Untimed;
 pub use verdict::{
     Conclusion, Errors, conclude, explainable, is_refuted, likely, probabilities, structure,

@@ -8,6 +8,7 @@ use std::cell::LazyCell;
 use std::sync::Arc;
 
 use super::balance::{by_balance, lowest_of_balance};
+use super::dead_time::{Timing, agree};
 use super::fit::{WindowFit, fit};
 use super::input_timing::{Between, INTERPOLATION, InputTiming, SYMBOL, with_later_input};
 use super::onset::{in_motion, latest_dead_time};
@@ -26,59 +27,6 @@ use crate::simulate::{BETWEEN_ROWS, Hold};
 
 /// Windows of 1 s that are simulated at most: their error of a shift is far below that of logging.
 const WINDOWS: usize = 120;
-
-/// How much later the recorded input acts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Timing {
-    /// Time from the recorded input to the motion, dead time of actuator and sensors together \[s\].
-    pub dead_time_s: f64,
-    /// Its standard error \[s\], including the interpolation between the rows.
-    pub std_error_s: f64,
-    /// The part that logging explains and that is removed from the recordings \[s\].
-    pub correction_s: f64,
-    /// Longest time that logging explains \[s\].
-    #[serde(skip)]
-    pub logging_s: f64,
-    /// Longest time from one row to the next \[s\].
-    #[serde(skip)]
-    pub step_s: f64,
-    /// Whether the input may be held from row to row, although the time is that of one on the line between them.
-    #[serde(skip)]
-    pub is_open: bool,
-}
-
-impl Timing {
-    /// The dead time \[s\] if the input is held from row to row, where the motion does not tell this from the line: what is
-    /// held acts half a row later than the line. `None` too if it would act before it is given, and if that is within the
-    /// uncertainty of the time.
-    #[must_use]
-    pub fn if_held_s(&self) -> Option<f64> {
-        let (half, uncertain) = (0.5 * self.step_s, THRESHOLDS.uncertain * self.std_error_s);
-        let held = self.dead_time_s - half;
-        (self.is_open && held >= -uncertain && half > uncertain).then_some(held)
-    }
-
-    /// Whether the motion is later than logging explains and no part of the time is removed: a logger that holds
-    /// its input explains half a row, one that differentiates an encoder another half.
-    #[must_use]
-    pub fn is_late(&self) -> bool {
-        let earliest = self.dead_time_s - THRESHOLDS.uncertain * self.std_error_s;
-        self.correction_s == 0.0 && earliest > self.logging_s
-    }
-
-    /// Whether another estimate of the dead time, with its standard error \[s\], agrees with this one; one without a
-    /// finite error agrees within that of this one.
-    #[must_use]
-    pub fn agrees_with(&self, other_s: f64, std_error_s: f64) -> bool {
-        let own = if std_error_s.is_finite() { std_error_s } else { 0.0 };
-        agree((self.dead_time_s, self.std_error_s), (other_s, own))
-    }
-}
-
-/// Whether two values differ by no more than the uncertainty of their difference, each with its standard error.
-fn agree((one, its_error): (f64, f64), (other, other_error): (f64, f64)) -> bool {
-    (one - other).abs() <= THRESHOLDS.uncertain * its_error.hypot(other_error)
-}
 
 /// Estimates the shift of the input of `recordings` against the motion, with a model at `p`: from the balance of the
 /// torques over the whole range, then by simulation from there, if it is more than a row, and from zero.
@@ -134,7 +82,7 @@ pub fn timing(
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
     let logging_s = scale.logging;
-    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s: step, is_open: false })
+    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s: step, other: None })
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a

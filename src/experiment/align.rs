@@ -59,8 +59,8 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
     let own = plan.model.shifts_input();
     let Some(mut start) = balanced(plan) else { return };
     let mut share = share_of_noise(plan, &start);
-    // whether the input may be held, although the line between its rows is as good
-    let mut is_open = false;
+    // another input between the rows that explains the motion as well
+    let mut other = None;
     if !own {
         if let Some(moved) = by_other_account(plan, &start, share, asked.settings) {
             start = moved;
@@ -75,7 +75,7 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
                         share = share_of_noise(plan, &start);
                     }
                 }
-                Course::LineOrHeld => is_open = plan.truth.is_empty(),
+                Course::LineOrHeld => other = plan.truth.is_empty().then_some(Hold::Constant),
                 Course::Line => {}
             }
         }
@@ -87,7 +87,10 @@ pub(super) fn align(plan: &mut Plan, asked: &Asked) {
         in_phase(plan, &start, share);
     }
     if !own {
-        plan.timing = time_of_input(plan, &start).map(|timing| Timing { is_open, ..timing });
+        plan.timing = time_of_input(plan, &start).map(|timing| {
+            let is_held = plan.hold == Hold::Constant && timing.is_early();
+            Timing { other: if is_held { Some(Hold::Linear) } else { other }, ..timing }
+        });
         share = plan.timing.ok().and_then(|timing| share_in_time(plan, &timing)).unwrap_or(share);
     }
     note_unknown_course(plan);

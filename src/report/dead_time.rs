@@ -4,6 +4,7 @@ use crate::diagnose::{THRESHOLDS, Timing, Untimed};
 use crate::effects::{self, Change};
 use crate::math::distribution::NORMAL_95;
 use crate::report::format;
+use crate::simulate::Hold;
 
 fn ms(seconds: f64) -> String {
     format::fixed(1e3 * seconds, 1)
@@ -15,28 +16,24 @@ pub(crate) fn is_determined(timing: &Timing) -> bool {
     2.0 * NORMAL_95 * timing.std_error_s <= THRESHOLDS.longest_delay_s
 }
 
-/// Whether the input acts before its time in the log: no dead time, but a shift of the log.
-fn is_early(timing: &Timing) -> bool {
-    timing.dead_time_s < -NORMAL_95 * timing.std_error_s
-}
-
 /// What the time is: that from input to motion, or that of the input in the log.
 #[must_use]
 pub(crate) fn dead_time_name(timing: &Timing) -> &'static str {
-    if is_early(timing) { "Time of the input" } else { "Dead time" }
+    if timing.is_early() { "Time of the input" } else { "Dead time" }
 }
 
 /// The time with its standard error and interval.
 fn value(timing: &Timing) -> String {
     let Timing { dead_time_s, std_error_s, .. } = *timing;
     let reach = NORMAL_95 * std_error_s;
-    match is_early(timing) {
+    match timing.is_early() {
         true => format!(
-            "the input acts {} ± {} ms before it is recorded (95 %: {} to {} ms)",
+            "the input acts {} ± {} ms before it is recorded (95 %: {} to {} ms{})",
             ms(-dead_time_s),
             ms(std_error_s),
             ms(-dead_time_s - reach),
-            ms(-dead_time_s + reach)
+            ms(-dead_time_s + reach),
+            otherwise(timing)
         ),
         false => format!(
             "{} ± {} ms from input to motion (95 %: {} to {} ms{})",
@@ -44,19 +41,25 @@ fn value(timing: &Timing) -> String {
             ms(std_error_s),
             ms(dead_time_s - reach),
             ms(dead_time_s + reach),
-            if_held(timing)
+            otherwise(timing)
         ),
     }
 }
 
-/// The time if the input is held from row to row, where that is possible.
-fn if_held(timing: &Timing) -> String {
-    timing.if_held_s().map_or_else(String::new, |time| {
-        format!(
+/// The time with another input between the rows, where that is possible.
+fn otherwise(timing: &Timing) -> String {
+    match timing.otherwise() {
+        Some((Hold::Constant, time)) => format!(
             "; {} ms if the input is held from row to row, hold = \"constant\", which these recordings do not exclude",
             ms(time)
-        )
-    })
+        ),
+        Some((Hold::Linear, time)) => format!(
+            ", as one held from row to row cannot; with the line between the rows, hold = \"linear\", {} ms from input to \
+             motion",
+            ms(time)
+        ),
+        None => String::new(),
+    }
 }
 
 /// The dead time between input and motion with its interval and its treatment, by the model as given.
@@ -193,12 +196,19 @@ mod tests {
     }
 
     #[test]
-    fn an_input_that_may_be_held_has_two_times() {
-        let open = |time| Timing { step_s: 0.01, is_open: true, ..of(time, 0.0) };
-        let late = dead_time(&open(0.025));
+    fn an_input_that_is_unknown_between_its_rows_has_two_times() {
+        let open = |time, other| Timing { step_s: 0.01, other: Some(other), ..of(time, 0.0) };
+        let late = dead_time(&open(0.025, Hold::Constant));
         assert!(late.contains("24.2 to 25.8 ms; 20.0 ms if the input is held"), "{late}");
+        // one that was taken for held, but acts before it is given
+        let early = dead_time(&open(-0.0044, Hold::Linear));
+        assert!(
+            early.contains("3.6 to 5.2 ms, as one held from row to row cannot; with"),
+            "{early}"
+        );
+        assert!(early.contains("0.6 ms from input to motion"), "{early}");
         // a held input acts from its row on
-        assert!(!dead_time(&open(0.001)).contains("held"));
+        assert!(!dead_time(&open(0.001, Hold::Constant)).contains("held"));
         assert!(!dead_time(&of(0.025, 0.0)).contains("held"));
     }
 

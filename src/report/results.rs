@@ -71,7 +71,7 @@ fn recordings(study: &Study) -> Vec<Value> {
                 "findings": sentences(&[&r.findings[..], &r.notes].concat()),
                 "dead_time_s": study.timing.ok().map(|t| json!({
                     "value": t.dead_time_s, "std_error": t.std_error_s, "corrected": t.correction_s,
-                    "determined": is_determined(&t), "value_if_held": t.if_held_s(),
+                    "determined": is_determined(&t), "value_otherwise": t.otherwise().map(|(hold, value)| json!({ "hold": hold, "value": value })),
                 })),
                 "dead_time_unknown": study.timing.err().map(|reason| no_dead_time(&reason)),
             })

@@ -220,7 +220,7 @@ fn whole_inputs(columns: &[PreviewColumn], guess: &mut Guess) {
 
 /// The unit of a current, where its name states none: of both wheels the same, by the largest value.
 fn current(top: f64, one: &mut Guessed) {
-    if one.unit.is_none() && top > AMPERES {
+    if one.unit.is_none() && !one.scale_open && top > AMPERES {
         one.unit = Some("mA".into());
         one.evidence.push(format!(
             "the inputs reach {}, which would be more than {AMPERES:.0} A: milliamperes",
