@@ -19,6 +19,8 @@ const SLOPE: f64 = 0.01;
 const BRAKES: f64 = 0.9;
 /// Part of the top speed below which a wheel starts from rest.
 const AT_REST: f64 = 0.2;
+/// Share of the squared torques that a wheel counted backwards may leave of those of one that is not, to explain most.
+const MOST_LEFT: f64 = 0.5;
 /// Unexplained share of an input when fitted to the other wheel, relative to the fit to its own wheel and to
 /// the total, below which the inputs are exchanged.
 const EXCHANGED: f64 = 0.3;
@@ -66,24 +68,28 @@ pub(crate) fn opposing_input(windows: &[Window], i: usize) -> bool {
 /// the wheels, which depend on the direction in which the other one turns. `false` where these do not show it.
 ///
 /// ```text
-/// M1 = a1 w1' + a2 w2' + a3 w2 (w2 - w1) + a4 sgn w1 + b w1     (and with the wheels exchanged; a1 to a3 common)
+/// M1 = a1 w1' + a2 w2' + a3 w2 (w2 - w1)                        (and with the wheels exchanged; a1 to a3 common)
+///      + c1 + c2 sgn w1 + c3 w1 + c4 w1 |w1| + c5 sgn(w1 - w2) + c6 sgn(w1 + w2)
 /// ```
+/// The terms in c are as good with one direction as with the other: friction that the model may lack is no evidence.
 pub(crate) fn counts_backwards(windows: &[Window], i: usize) -> bool {
-    let turned = |speed, torque| balance(windows, i, speed, torque);
-    is_surely_better(turned(1.0, -1.0), turned(-1.0, 1.0))
+    let [input, sensors] = [1.0, -1.0].map(|speed| balance(windows, i, speed, -speed));
+    input.zip(sensors).is_some_and(|(input, sensors)| is_surely_better(&input, &sensors))
 }
 
 /// Whether one of the wheels is counted backwards, sensors and input alike, by the same torques: these depend then on the
-/// sum of the wheels' speeds in place of their difference. Which of the wheels it is they do not show.
+/// sum of the wheels' speeds in place of their difference, which must explain most of what they leave. Which of the wheels
+/// it is they do not show.
 pub(crate) fn is_mirrored(windows: &[Window]) -> bool {
-    is_surely_better(balance(windows, 1, 1.0, 1.0), balance(windows, 1, -1.0, -1.0))
+    let [given, turned] = [1.0, -1.0].map(|sign| balance(windows, 1, sign, sign));
+    let (Some(given), Some(turned)) = (given, turned) else { return false };
+    let sum = |rest: &[f64]| rest.iter().map(|e| e * e).sum::<f64>();
+    sum(&turned) < MOST_LEFT * sum(&given) && is_surely_better(&given, &turned)
 }
 
 /// Whether the second of two balances leaves less, by Vuong's test of two models of which neither contains the other.
-fn is_surely_better(one: Option<Vec<f64>>, other: Option<Vec<f64>>) -> bool {
-    let (Some(one), Some(other)) = (one, other) else { return false };
-    let gains = one.iter().zip(&other).map(|(a, b)| a * a - b * b);
-    let sample = Moments::of(gains);
+fn is_surely_better(one: &[f64], other: &[f64]) -> bool {
+    let sample = Moments::of(one.iter().zip(other).map(|(a, b)| a * a - b * b));
     sample.mean > 0.0 && t_survival(sample.mean / sample.std_error(), sample.count - 1.0) < CHANCE
 }
 
@@ -97,19 +103,25 @@ fn balance(windows: &[Window], i: usize, speed: f64, torque: f64) -> Option<Vec<
         w
     };
     let windows: Vec<Window> = moving(windows, i).into_iter().map(turned).collect();
-    if windows.len() < FEWEST {
+    if windows.len() < 3 * FEWEST {
         return None;
     }
-    let x = DMatrix::from_fn(2 * windows.len(), 7, |k, j| {
+    let x = DMatrix::from_fn(2 * windows.len(), 3 + 2 * 6, |k, j| {
         let (w, own) = (&windows[k / 2], k % 2);
         let (speed, other) = (w.speed[own], w.speed[1 - own]);
         match j {
             0 => w.acceleration[own],
             1 => w.acceleration[1 - own],
             2 => other * (other - speed),
-            _ if (j - 3) / 2 != own => 0.0,
-            3 | 5 => sgn(speed),
-            _ => speed,
+            _ if (j - 3) / 6 != own => 0.0,
+            _ => match (j - 3) % 6 {
+                0 => 1.0,
+                1 => sgn(speed),
+                2 => speed,
+                3 => speed * speed.abs(),
+                4 => sgn(speed - other),
+                _ => sgn(speed + other),
+            },
         }
     });
     let y = DVector::from_fn(2 * windows.len(), |k, _| windows[k / 2].torque[k % 2]);
