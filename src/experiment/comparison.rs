@@ -101,8 +101,8 @@ pub fn compare(plan: &Plan, fits: &[MethodFit]) -> Result<Comparison, RunError> 
     Ok(out)
 }
 
-/// [`compare`] without what the rows of a grid do not contain: the noise floor of the free simulation and the errors of
-/// emulators.
+/// [`compare`] without what the rows of a grid do not contain: the noise floor of the free simulation, the errors of
+/// emulators, and what only a report shows of a recording.
 ///
 /// # Errors
 /// As [`compare`].
@@ -125,7 +125,7 @@ pub(super) fn without_fit(
         window_slow: unknown,
     };
     let recordings = plan.recordings.iter();
-    let recordings = recordings.map(|m| with_notes(plan, m, described(plan, m, floor))).collect();
+    let recordings = recordings.map(|m| as_shown(plan, m, described(m, floor))).collect();
     let reason = |fit: &MethodFit| match (&fit.fit, simulation) {
         (Err(reason), _) => Some(reason.clone()),
         (Ok(_), Some(reason)) => Some(reason.clone().into()),
@@ -187,25 +187,31 @@ fn describe(
 ) -> Result<RecordingStudy, SimulateError> {
     let floor = if detail == Detail::Report { noise_floor } else { window_floor };
     let floor = floor(dynamics, &measured.recording, plan.hold, plan.seed)?;
-    let described = described(plan, measured, floor);
-    // the rows of a grid do not contain them, and they take a tenth of the time of a cell
+    let described = described(measured, floor);
+    // the rows of a grid contain nothing of it, and it takes a fifth of the time of a cell
     Ok(match detail {
-        Detail::Report => with_notes(plan, measured, described),
+        Detail::Report => as_shown(plan, measured, described),
         Detail::Figures => described,
     })
 }
 
-/// With the notes of the quality check.
-fn with_notes(
+/// With what only a report shows: the notes of the quality check, the regimes and the path.
+fn as_shown(
     plan: &Plan,
     measured: &MeasuredRecording,
     described: RecordingStudy,
 ) -> RecordingStudy {
-    RecordingStudy { notes: super::quality::notes(measured, plan.model.robot()), ..described }
+    let r = &measured.recording;
+    RecordingStudy {
+        notes: super::quality::notes(measured, plan.model.robot()),
+        regimes: r.regimes(),
+        path: path(plan, r),
+        ..described
+    }
 }
 
-/// A recording with the error of the correct model on it, without notes.
-fn described(plan: &Plan, measured: &MeasuredRecording, floor: Floor) -> RecordingStudy {
+/// A recording with the error of the correct model on it, without what [`as_shown`] adds.
+fn described(measured: &MeasuredRecording, floor: Floor) -> RecordingStudy {
     let r = &measured.recording;
     RecordingStudy {
         role: measured.role,
@@ -224,8 +230,8 @@ fn described(plan: &Plan, measured: &MeasuredRecording, floor: Floor) -> Recordi
         alpha: r.alpha().to_vec(),
         omega: r.omega().to_vec(),
         torque: r.torque().to_vec(),
-        regimes: r.regimes(),
-        path: path(plan, r),
+        regimes: vec![],
+        path: vec![],
     }
 }
 

@@ -56,11 +56,11 @@ impl Fit {
 /// The share of the inertias a1 and a2 that may be due to the unknown input between the rows; `None` if there are too
 /// few spans.
 fn share([a1, a2]: [f64; 2], recordings: &[Recording]) -> Option<f64> {
-    let longest =
-        recordings.iter().flat_map(Recording::pieces).map(ExactSizeIterator::len).max()?;
+    let pieces: Vec<Piece> = recordings.iter().flat_map(Piece::all).collect();
+    let longest = pieces.iter().map(|piece| piece.omega.len()).max()?;
     let lengths = std::iter::successors(Some(2), |n| Some(2 * n)).take_while(|n| *n < longest);
     let of_length = |rows: usize| {
-        let spans = recordings.iter().flat_map(|r| spans(r, rows));
+        let spans = pieces.iter().flat_map(|piece| piece.spans(rows));
         let (mut lines, mut impulse, mut count) = (0.0, 0.0, 0);
         for (d, dw) in spans {
             lines += d[0].powi(2) + d[1].powi(2);
@@ -72,22 +72,38 @@ fn share([a1, a2]: [f64; 2], recordings: &[Recording]) -> Option<f64> {
     lengths.filter_map(of_length).min_by(f64::total_cmp)
 }
 
-/// Differences of the impulse and of the speeds over spans of so many rows, an even number, in which a wheel moves.
-fn spans(r: &Recording, rows: usize) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-    let (t, torque, omega) = (r.t(), r.torque(), r.omega());
-    let starts = r.pieces().iter().flat_map(move |piece| {
-        (piece.start..piece.end).step_by(rows).filter(move |k| k + rows < piece.end)
-    });
-    let moves = move |k: usize| omega[k] != [0.0; 2] || omega[k + rows] != [0.0; 2];
-    starts.filter(move |&k| moves(k)).map(move |k| {
-        let pairs = || (k..k + rows).step_by(2);
-        let under =
-            |i: usize, a: usize, b: usize| 0.5 * (t[b] - t[a]) * (torque[a][i] + torque[b][i]);
-        let apart =
-            |i: usize, a: usize| under(i, a, a + 1) + under(i, a + 1, a + 2) - under(i, a, a + 2);
-        let of = |i: usize| pairs().map(|a| apart(i, a)).sum::<f64>();
-        ([of(0), of(1)], [0, 1].map(|i| omega[k + rows][i] - omega[k][i]))
-    })
+/// A piece of a recording.
+struct Piece<'a> {
+    omega: &'a [[f64; 2]],
+    /// Difference of the impulse from that of the line over two rows, of every other row.
+    apart: Vec<[f64; 2]>,
+}
+
+impl<'a> Piece<'a> {
+    /// All pieces of a recording.
+    fn all(r: &'a Recording) -> impl Iterator<Item = Self> {
+        r.pieces().iter().map(|piece| {
+            let (t, torque) = (&r.t()[piece.clone()], &r.torque()[piece.clone()]);
+            let under =
+                |i: usize, a: usize, b: usize| 0.5 * (t[b] - t[a]) * (torque[a][i] + torque[b][i]);
+            let apart = |a: usize| {
+                [0, 1].map(|i| under(i, a, a + 1) + under(i, a + 1, a + 2) - under(i, a, a + 2))
+            };
+            let apart = (0..piece.len().saturating_sub(2)).step_by(2).map(apart).collect();
+            Self { omega: &r.omega()[piece.clone()], apart }
+        })
+    }
+
+    /// Differences of the impulse and of the speeds over spans of so many rows, an even number, in which a wheel moves.
+    fn spans(&self, rows: usize) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+        let ends = self.omega.iter().step_by(rows);
+        let spans = ends.clone().zip(ends.skip(1)).zip(self.apart.chunks(rows / 2));
+        let moving = spans.filter(|((from, to), _)| **from != [0.0; 2] || **to != [0.0; 2]);
+        moving.map(|((from, to), apart)| {
+            let sum = |i: usize| apart.iter().map(|d| d[i]).sum::<f64>();
+            ([sum(0), sum(1)], [0, 1].map(|i| to[i] - from[i]))
+        })
+    }
 }
 
 #[cfg(test)]

@@ -121,10 +121,12 @@ impl Neighbourhoods {
         out: &mut LocalMotion,
     ) -> [Option<f64>; 2] {
         let k = parabolas.sample;
-        let mut agreements = [0, 1].map(|i| {
+        let agreement = |i: usize| {
             let corner = || Some(parabolas.at_corner(i, corners[i].as_ref()?));
             Agreement::new(i, parabolas.at_row(i).or_else(corner))
-        });
+        };
+        // not by `map`, which copies all widths of each
+        let mut agreements = [agreement(0), agreement(1)];
         for half in &self.narrower {
             if !agreements.iter().any(|agreement| agreement.goes_on) {
                 break;
@@ -140,7 +142,7 @@ impl Neighbourhoods {
             fits.write(i, out);
             agreement.write(out);
         }
-        agreements.map(|agreement| agreement.curvature())
+        [0, 1].map(|i| agreements[i].curvature())
     }
 }
 

@@ -58,7 +58,7 @@ impl WithSimd for SideBySide<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let rows: usize = self.windows.iter().map(Range::len).sum();
-        let mut out = vec![Vec::with_capacity(rows); self.realisations.len()];
+        let mut out: Speeds = self.realisations.iter().map(|_| Vec::with_capacity(rows)).collect();
         let width = Lanes::<S>::COUNT;
         for (some, out) in self.realisations.chunks(width).zip(out.chunks_mut(width)) {
             for (n, window) in self.windows.iter().enumerate() {
@@ -81,11 +81,16 @@ impl SideBySide<'_> {
     ) -> Result<(), SimulateError> {
         let simulations: Vec<_> = some.iter().map(|one| (self.p, one.starts[n])).collect();
         let mut batch = Batch::<S>::new(simd, self.model, self.t[0], &simulations);
-        keep(&batch.omega, out);
+        let torques: Vec<Stored> = rows.clone().map(|k| torques(some, k)).collect();
+        let mut speeds: Vec<Stored> = Vec::with_capacity(rows.len());
+        speeds.push([stored(batch.omega[0]), stored(batch.omega[1])]);
         for k in rows.start + 1..rows.end {
             let (from, to) = (self.t[k - 1], self.t[k]);
             let last = if self.hold == Hold::Linear { k } else { k - 1 };
-            let ends = (at_row(simd, some, k - 1), at_row(simd, some, last));
+            let ends = (
+                loaded(simd, &torques[k - 1 - rows.start]),
+                loaded(simd, &torques[last - rows.start]),
+            );
             // the times of all lanes are alike
             let times = InputLine::new(from, to, &[0.0; 2], &[0.0; 2]);
             let pieces = pieces_between(from, to);
@@ -104,7 +109,10 @@ impl SideBySide<'_> {
                 });
             }
             batch.limit(to);
-            keep(&batch.omega, out);
+            speeds.push([stored(batch.omega[0]), stored(batch.omega[1])]);
+        }
+        for (lane, out) in out.iter_mut().enumerate() {
+            out.extend(speeds.iter().map(|[first, second]| [first[lane], second[lane]]));
         }
         for (failed, out) in batch.failures().into_iter().zip(out) {
             match failed {
@@ -120,24 +128,22 @@ impl SideBySide<'_> {
     }
 }
 
-/// Adds the present speeds of each lane.
-#[inline(always)]
-fn keep<S: Simd>(omega: &Wheels<S>, out: &mut [Vec<[f64; 2]>]) {
-    let [first, second] = [stored(omega[0]), stored(omega[1])];
-    for (lane, out) in out.iter_mut().enumerate() {
-        out.push([first[lane], second[lane]]);
-    }
-}
+/// A number of each wheel in one row in each lane. All rows of a window are stored before the first register is loaded:
+/// one that is loaded from numbers just stored one by one waits until they are in memory.
+type Stored = [[f64; LARGEST]; 2];
 
 /// The inputs in a row; unused lanes repeat the last realisation.
-#[inline(always)]
-fn at_row<S: Simd>(simd: S, some: &[Realisation], k: usize) -> Wheels<S> {
+fn torques(some: &[Realisation], k: usize) -> Stored {
     let last = some[some.len() - 1].torque[k];
     let mut wheels = [[last[0]; LARGEST], [last[1]; LARGEST]];
     for (lane, one) in some.iter().enumerate() {
-        wheels[0][lane] = one.torque[k][0];
-        wheels[1][lane] = one.torque[k][1];
+        (wheels[0][lane], wheels[1][lane]) = (one.torque[k][0], one.torque[k][1]);
     }
+    wheels
+}
+
+#[inline(always)]
+fn loaded<S: Simd>(simd: S, wheels: &Stored) -> Wheels<S> {
     [Lanes::load(simd, &wheels[0]), Lanes::load(simd, &wheels[1])]
 }
 
