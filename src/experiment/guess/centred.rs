@@ -1,7 +1,7 @@
 //! Commands that rest in the middle of their scale and never at zero, 128 of 8 bits, and counts of a converter that do.
 
 use super::guessed::{Guess, Guessed};
-use super::values::{extent, values_of, whole};
+use super::values::{values_of, whole};
 use crate::io::PreviewColumn;
 use crate::math::median_high;
 
@@ -51,7 +51,8 @@ fn zero_of_converter(values: &[f64]) -> Option<f64> {
     let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let first = median_high(held.get(..REST_ROWS)?.iter().copied());
     let middle = CONVERTERS.into_iter().find(|m| (first - m).abs() < ZERO * m)?;
-    let (low, high) = extent(&held);
+    let low = held.iter().copied().fold(first, f64::min);
+    let high = held.iter().copied().fold(first, f64::max);
     let leaves = low < first - ZERO * middle && first + ZERO * middle < high;
     (whole(&held) && low >= 0.0 && high <= 2.0 * middle + 1.0 && leaves).then_some(first)
 }
