@@ -19,8 +19,6 @@ const SLOPE: f64 = 0.01;
 const BRAKES: f64 = 0.9;
 /// Part of the top speed below which a wheel starts from rest.
 const AT_REST: f64 = 0.2;
-/// Share of the squared torques that a wheel counted backwards may leave of those of one that is not, to explain most.
-const MOST_LEFT: f64 = 0.5;
 /// Unexplained share of an input when fitted to the other wheel, relative to the fit to its own wheel and to
 /// the total, below which the inputs are exchanged.
 const EXCHANGED: f64 = 0.3;
@@ -78,13 +76,10 @@ pub(crate) fn counts_backwards(windows: &[Window], i: usize) -> bool {
 }
 
 /// Whether one of the wheels is counted backwards, sensors and input alike, by the same torques: these depend then on the
-/// sum of the wheels' speeds in place of their difference, which must explain most of what they leave. Which of the wheels
-/// it is they do not show.
+/// sum of the wheels' speeds in place of their difference. Which of the wheels it is they do not show.
 pub(crate) fn is_mirrored(windows: &[Window]) -> bool {
     let [given, turned] = [1.0, -1.0].map(|sign| balance(windows, 1, sign, sign));
-    let (Some(given), Some(turned)) = (given, turned) else { return false };
-    let sum = |rest: &[f64]| rest.iter().map(|e| e * e).sum::<f64>();
-    sum(&turned) < MOST_LEFT * sum(&given) && is_surely_better(&given, &turned)
+    given.zip(turned).is_some_and(|(given, turned)| is_surely_better(&given, &turned))
 }
 
 /// Whether the second of two balances leaves less, by Vuong's test of two models of which neither contains the other.
