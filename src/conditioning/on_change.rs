@@ -7,6 +7,16 @@
 //! rest            most of the time without a value is in long stretches; behind one the value goes on from that before it,
 //!                 as after lost samples of a moving wheel it does not
 //! ```
+//! Coarse values stay in motion too. They are recognised by the steps between successive values of all columns with
+//! empty cells: a value that is read at times which do not depend on it stays about as often as it moves by the smallest
+//! step up, or down.
+//!
+//! ```text
+//! n_0, n_1        successive values that are equal; that differ by the smallest step of their column
+//! steps           n_1 >= 20,   n_0 <= n_1/10
+//! time            each sensor has no value, in rows of other columns, over more than 5 % of the time in steps of more than
+//!                 1.5 times the usual one: it has no slower rate of its own
+//! ```
 
 use super::cells::{columns, put};
 use super::finding::{Channel, Finding, Kind};
@@ -14,7 +24,7 @@ use super::signal::{is_increasing, median_high};
 use super::thresholds::{IMPORT, TIMES};
 use super::{Conditioned, Settings};
 
-/// Holds the last value in the empty cells, if each sensor with empty cells is written on change; of an input as well,
+/// Holds the last value in the empty cells, if the sensors with empty cells are written on change; of an input as well,
 /// if its successive values differ.
 pub(super) fn hold(work: &mut Conditioned, settings: &Settings) {
     let t = &work.channels.t;
@@ -24,9 +34,11 @@ pub(super) fn hold(work: &mut Conditioned, settings: &Settings) {
     let share = |v: &[f64]| v.iter().filter(|x| x.is_nan()).count() as f64 / v.len() as f64;
     let is_sensor = |c: Channel| matches!(c, Channel::Angle(_) | Channel::Speed(_));
     let all = columns(&work.channels);
-    let mut sensors =
-        all.iter().filter(|(c, v)| is_sensor(*c) && share(v) > TIMES.lost_cells).peekable();
-    if sensors.peek().is_none() || !sensors.all(|(c, v)| is_written_on_change(*c, t, v)) {
+    let sparse: Vec<_> = all.iter().filter(|(_, v)| share(v) > TIMES.lost_cells).collect();
+    let sensors: Vec<_> = sparse.iter().filter(|(c, _)| is_sensor(*c)).collect();
+    let rest = || sensors.iter().all(|(c, v)| is_written_on_change(*c, t, v));
+    let stay = || never_stay(&sparse) && sensors.iter().all(|(_, v)| is_irregular(t, v));
+    if sensors.is_empty() || !rest() && !stay() {
         return;
     }
     let is_held = |(c, v): &&(Channel, Vec<f64>)| share(v) > 0.0 && (is_sensor(*c) || differ(v));
@@ -35,6 +47,32 @@ pub(super) fn hold(work: &mut Conditioned, settings: &Settings) {
         let kind = Kind::OnChange { share: share(values) };
         work.findings.push(Finding::corrected(*channel, kind, "rows", true));
     }
+}
+
+/// Whether successive values of these columns are never equal although many differ by one step only.
+fn never_stay(columns: &[&(Channel, Vec<f64>)]) -> bool {
+    let (mut equal, mut one_step) = (0, 0);
+    for (_, values) in columns {
+        let change = |[a, b]: &[usize; 2]| (values[*b] - values[*a]).abs();
+        let changes: Vec<f64> = steps(values).iter().map(change).collect();
+        let moved = changes.iter().copied().filter(|c| *c > 0.0);
+        // half way to two steps
+        let most = 1.5 * moved.fold(f64::INFINITY, f64::min);
+        equal += changes.iter().filter(|c| **c == 0.0).count();
+        one_step += changes.iter().filter(|c| **c > 0.0 && **c < most).count();
+    }
+    one_step >= TIMES.fewest_one_step && equal as f64 <= TIMES.stays * one_step as f64
+}
+
+/// Whether the times between the values of a sensor, in whose empty cells other columns have rows, are irregular.
+fn is_irregular(t: &[f64], values: &[f64]) -> bool {
+    let steps = steps(values);
+    let length = |[a, b]: &[usize; 2]| t[*b] - t[*a];
+    let usual = median_high(steps.iter().map(length));
+    let is_long =
+        |step: &&[usize; 2]| step[1] - step[0] > 1 && length(step) > TIMES.next_tick * usual;
+    let long: f64 = steps.iter().filter(is_long).map(length).sum();
+    long > TIMES.lost_cells * (t[t.len() - 1] - t[0])
 }
 
 /// The rows of each value and of the next one.
@@ -169,6 +207,56 @@ mod tests {
         assert_eq!(done.channels.t.len(), t.len());
         // three rows later by 301 ms
         assert!(t[13] - t[10] > 0.3);
+    }
+
+    /// A run at 50 Hz with sensors and inputs of this step, and the same with empty cells where `is_empty`, of the row
+    /// and whether the value repeats that of the row before.
+    fn coarse(step: f64, is_empty: impl Fn(usize, bool) -> bool) -> (Channels, Channels) {
+        let t: Vec<f64> = (0..1500).map(|k| 0.02 * f64::from(k)).collect();
+        let moving = |t: f64| (t - 2.0).clamp(0.0, 20.0);
+        let speed = |t: f64, i: usize| 5.0 * (0.3 * moving(t) * (1.0 + 0.2 * i as f64)).sin();
+        let rounded = |x: f64| (x / step).round() * step;
+        let rows = |of: &dyn Fn(f64, usize) -> f64| -> Vec<[f64; 2]> {
+            t.iter().map(|t| [0, 1].map(|i| rounded(of(*t, i)))).collect()
+        };
+        let omega = rows(&speed);
+        let torque = rows(&|t, i| 0.8 * speed(t + 0.1, i));
+        let written = |v: &[[f64; 2]]| -> Vec<[f64; 2]> {
+            let cell = |k: usize, i: usize| {
+                let empty = k > 0 && is_empty(k + i, v[k][i] == v[k - 1][i]);
+                if empty { f64::NAN } else { v[k][i] }
+            };
+            (0..v.len()).map(|k| [0, 1].map(|i| cell(k, i))).collect()
+        };
+        let of = |omega: Vec<[f64; 2]>, torque| Channels {
+            t: t.clone(),
+            alpha: None,
+            omega: Some(omega),
+            torque,
+        };
+        let empty = of(written(&omega), written(&torque));
+        (of(omega, torque), empty)
+    }
+
+    #[test]
+    fn coarse_values_that_stay_in_motion_are_not_written() {
+        // a new value in one of six rows, and in nearly all
+        for step in [0.2, 0.001] {
+            let (whole, empty) = coarse(step, |_, repeats| repeats);
+            let (full, held) = (done(whole), done(empty));
+            assert!(is_held(&held), "{:?}", held.findings);
+            assert_eq!(held.channels.t, full.channels.t);
+            assert_eq!(held.channels.omega, full.channels.omega);
+            assert_eq!(held.channels.torque, full.channels.torque);
+        }
+    }
+
+    #[test]
+    fn coarse_values_of_lost_or_seldom_rows_are_not_written_on_change() {
+        for is_lost in [|k: usize| k * 7919 % 100 < 30, |k: usize| !k.is_multiple_of(3)] {
+            let (_, empty) = coarse(0.2, |k, _| is_lost(k));
+            assert!(!is_held(&done(empty)));
+        }
     }
 
     #[test]

@@ -46,6 +46,13 @@ pub struct Times {
     pub fewest_changes: usize,
     /// Share of the largest speed up to which a wheel is at rest in such a column (judgement).
     pub rests_below: f64,
+    /// Smallest number of steps between values, of the smallest size of their column, by which a table is recognised in
+    /// which values that stay are not written: of values read at any time half as many stay, and ten or more are two or
+    /// fewer by chance in three of a thousand logs.
+    pub fewest_one_step: usize,
+    /// Largest number of values that stay in such a table, as a part of those steps (judgement: an entry that was
+    /// written twice).
+    pub stays: f64,
     /// Share of the samples of the fastest sensor below which another one is slow: of lines between its samples the
     /// noise is less than that of the sensor, and one row in five moves what the rows show of it by a tenth.
     pub fewer_samples: f64,
@@ -72,6 +79,8 @@ pub(in crate::conditioning) const TIMES: Times = Times {
     lost_cells: 0.05,
     fewest_changes: 10,
     rests_below: 0.05,
+    fewest_one_step: 20,
+    stays: 0.1,
     fewer_samples: 0.8,
     same_rate: 0.5,
 };
