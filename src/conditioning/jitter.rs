@@ -37,11 +37,21 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
         return;
     };
     let pieces = pieces(t);
-    let Some((even, share)) = evened(t, &pieces) else { return };
-    let shown = context.even_times && !is_smoother(values, &even, t, &pieces);
-    if !shown && !is_smoother(values, t, &even, &pieces) {
+    let counted = evened(t, &pieces);
+    let times = counted.as_ref().map_or(t, |(even, _)| even);
+    let is_by_number = |(even, _): &(Vec<f64>, f64)| {
+        is_smoother(values, t, even, &pieces) && is_smoother(values, times, even, &pieces)
+    };
+    let is_even = |even: &[f64]| {
+        let shown = context.even_times && !is_smoother(values, even, t, &pieces);
+        shown || is_smoother(values, t, even, &pieces)
+    };
+    let Some((even, share)) = numbered(t, &pieces)
+        .filter(is_by_number)
+        .or(counted.clone().filter(|(even, _)| is_even(even)))
+    else {
         return;
-    }
+    };
     work.channels.t = even;
     let kind = Kind::Jitter { share };
     work.findings.push(Finding::corrected(Channel::Time, kind, "rows", true));
@@ -51,15 +61,35 @@ pub(super) fn even_times(work: &mut Conditioned, settings: &Settings, context: &
 /// negligible. Where a row cannot be distinguished from the next by its stamp, lost rows cannot be recognised, and the
 /// rows are counted as if there were none: it is for the motion to decide.
 fn evened(t: &[f64], pieces: &[Range<usize>]) -> Option<(Vec<f64>, f64)> {
-    let step = median_step(t);
     let counted: Vec<f64> = pieces.iter().flat_map(|piece| even(&t[piece.clone()])).collect();
-    let off = |even: &[f64]| -> Vec<f64> {
-        t.iter().zip(even).map(|(t, even)| (t - even) / step).collect()
-    };
-    let far = off(&counted).iter().filter(|o| o.abs() > TIMES.row_unknown).count() as f64;
+    let step = median_step(t);
+    let far = off(t, &counted, step).filter(|o| o.abs() > TIMES.row_unknown).count() as f64;
     let even = if far <= TIMES.rows_unknown * t.len() as f64 { counted } else { on_numbers(t) };
-    let share = rms(off(&even).into_iter());
+    scattered(t, even, step)
+}
+
+/// The even times of rows by their number alone, where the stamps seem to show lost rows: a receiver that polls in
+/// steps somewhat shorter than the rows stamps most of them one step apart and some of them two.
+fn numbered(t: &[f64], pieces: &[Range<usize>]) -> Option<(Vec<f64>, f64)> {
+    let long = TIMES.next_tick * median_step(t);
+    let skips = t.windows(2).filter(|w| w[1] - w[0] > long).count();
+    if skips as f64 <= TIMES.rows_unknown * t.len() as f64 {
+        return None;
+    }
+    let even: Vec<f64> = pieces.iter().flat_map(|piece| on_numbers(&t[piece.clone()])).collect();
+    let step = median_step(&even);
+    scattered(t, even, step)
+}
+
+/// Even times with the scatter of the stamps about them as a share of a row; `None` if it is negligible.
+fn scattered(t: &[f64], even: Vec<f64>, step: f64) -> Option<(Vec<f64>, f64)> {
+    let share = rms(off(t, &even, step));
     (share > TIMES.scattered && is_increasing(&even)).then_some((even, share))
+}
+
+/// Distance of each stamp from its even time in steps.
+fn off<'a>(t: &'a [f64], even: &'a [f64], step: f64) -> impl Iterator<Item = f64> + 'a {
+    t.iter().zip(even).map(move |(t, even)| (t - even) / step)
 }
 
 /// Puts rows that a receiver stamped in batches, one shortly after the other, at even times by their number, where the
@@ -284,6 +314,32 @@ mod tests {
             late.channels.t.iter().zip(&even).map(|(found, is)| found - is).collect();
         let mean = off.iter().sum::<f64>() / off.len() as f64;
         assert!(off.iter().all(|o| (o - mean).abs() < 4e-3), "{off:?}");
+    }
+
+    #[test]
+    fn polls_in_steps_shorter_than_the_rows_lose_none() {
+        // rows of 20 ms, every fourth of which is stamped two polls of 16 ms after the one before; and rows of 16 ms of
+        // which every fifth is lost
+        let motion = |t: f64| [9.0 * t + 3.0 * (1.7 * t).sin(), 8.0 * t + 2.0 * (2.3 * t).cos()];
+        let even: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
+        let polled: Vec<f64> = even.iter().map(|t| 0.016 * ((t + 0.003) / 0.016).ceil()).collect();
+        let of = |times: &[f64]| {
+            let mut work = work(0.0, 0.0, 1e-3);
+            work.channels.alpha = Some(times.iter().map(|t| motion(*t)).collect());
+            work.channels.torque = vec![[0.1; 2]; times.len()];
+            work.channels.t.clone_from(&polled);
+            even_times(&mut work, &Settings::default(), &Context::default());
+            work
+        };
+        let found = of(&even);
+        assert!(
+            matches!(found.findings[..], [Finding { kind: Kind::Jitter { share }, .. }] if (0.2..0.3).contains(&share))
+        );
+        // late by 3 ms and half a poll; the ends of a line through a hundred stamps that scatter by 4.6 ms
+        for (found, is) in found.channels.t.iter().zip(&even) {
+            assert!((found - is - 0.011).abs() < 3e-3, "{found} {is}");
+        }
+        assert!(of(&polled).findings.is_empty());
     }
 
     #[test]
