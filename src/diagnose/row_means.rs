@@ -110,7 +110,7 @@ mod tests {
             let (mut off, mut plain) = (0.0, 0.0);
             for k in 8..50 {
                 let error = 0.5 * (line[k][0] + line[k + 1][0]) - mean(t[k]);
-                // the spline errs by h⁴/384 between the rows, the line by sixth differences
+                // error of the spline between the rows: h⁴/384; of the line: sixth differences
                 assert!(error.abs() < 0.02 * h.powi(4), "{shift} {k}: {error}");
                 assert!((line[k][1] - 1.0).abs() < 1e-12);
                 let through = 0.25 * (mean(t[k] - h) + 2.0 * mean(t[k]) + mean(t[k] + h));
@@ -131,7 +131,7 @@ mod tests {
             let line = line_with_means_of_spline(&t, &recorded, shift, h);
             for k in 9..50 {
                 let error = 0.5 * (line[k][0] + line[k + 1][0]) - mean(t[k] - shift);
-                // the splines through the values and their integral err by h⁴/384 each
+                // error of the splines through the values and through their integral: h⁴/384 each
                 assert!(error.abs() < 0.02 * h.powi(4), "{shift} {k}: {error}");
                 assert!((line[k][1] - 1.0).abs() < 1e-12);
             }
