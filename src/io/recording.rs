@@ -94,7 +94,7 @@ pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, Io
     let frame = match &headers.source {
         Source::Text(layout) => csv::read(path, layout, &names)?,
         Source::Parquet => parquet::read(path, names)?,
-        Source::Signals(signals) => signals.frame(path, &names)?,
+        Source::Signals(signals) => signals.frame(path, &names, |name| is_sensor(name, &wanted))?,
         Source::Columns(columns) => side_by_side(path, columns, &names)?,
     };
     if frame.height() == 0 {
@@ -107,6 +107,12 @@ pub fn read_channels(path: &Path, columns: &ColumnMap) -> Result<RawChannels, Io
     let (rows, sha256, path) = (channels.t.len(), sha256(path)?, path.to_path_buf());
     let time = time_of(&wanted, columns);
     Ok(RawChannels { name, channels, factors, sha256, path, time, is_text, rows })
+}
+
+/// Whether a column is the angle or the speed of a wheel.
+fn is_sensor(column: &str, wanted: &[(&'static str, String)]) -> bool {
+    let sensors = ["alpha1", "alpha2", "dalpha1", "dalpha2"];
+    wanted.iter().any(|(key, name)| name == column && sensors.contains(key))
 }
 
 /// Name of the column of the time, and its unit \[s\]; the standard ones without such a column.

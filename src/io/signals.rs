@@ -1,12 +1,19 @@
 //! Signals with separate time stamps, and their combination into rows.
 
+mod one_loop;
+
 use std::collections::HashMap;
 use std::path::Path;
 
 use polars::prelude::{DataFrame, NamedFrom, Series};
 
+use self::one_loop::at_rows;
 use super::IoError;
 use super::error::{format_error, shown};
+
+/// Share of the values of another signal from which on a sensor has as many: a log begins and ends within a cycle, and a
+/// few messages are lost (judgement).
+const AS_MANY: f64 = 0.99;
 
 /// A signal with its own time stamps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -96,55 +103,53 @@ impl Signals {
         std::iter::once(time).chain(self.list.into_iter().map(values)).collect()
     }
 
-    /// The columns of those names in rows: one at each stamp of the signal among them that has the
-    /// most, from the moment when all have a value. The others hold their last value.
+    /// The columns of those names in rows: one at each stamp of the signal among them that has the most ([`of_rows`]),
+    /// from the first at which all have a value. Values that one loop writes shortly after one another are of one row; other signals
+    /// hold their last value ([`one_loop`]).
     ///
     /// ```text
     /// t = (stamp - first stamp) / ticks per second        [s]
     /// ```
-    pub(super) fn frame(&self, path: &Path, names: &[String]) -> Result<DataFrame, IoError> {
+    pub(super) fn frame(
+        &self,
+        path: &Path,
+        names: &[String],
+        is_sensor: impl Fn(&str) -> bool,
+    ) -> Result<DataFrame, IoError> {
         let wanted: Vec<&Signal> = self.list.iter().filter(|s| names.contains(&s.name)).collect();
-        let stamps = self.stamps(path, &wanted)?;
-        let start = stamps.first().copied().unwrap_or_default();
-        let second = |stamp: &i64| (i128::from(*stamp) - i128::from(start)) as f64;
-        let t: Vec<f64> = stamps.iter().map(|s| second(s) / self.per_second).collect();
-        let held = wanted.iter().map(|s| (s.name.as_str(), s.held(&stamps)));
-        let time = std::iter::once((self.time.as_str(), t));
-        frame(path, time.chain(held).filter(|(name, _)| names.iter().any(|n| n == name)))
-    }
-
-    /// The stamps of the rows.
-    fn stamps(&self, path: &Path, wanted: &[&Signal]) -> Result<Vec<i64>, IoError> {
-        let first = |s: &&&Signal| s.samples.first().map(|(stamp, _)| *stamp);
-        let Some(late) = wanted.iter().max_by_key(first) else { return Ok(vec![]) };
-        let start = first(&late).unwrap_or(i64::MAX);
-        // the first of several with as many
-        let most = wanted.iter().rev().max_by_key(|s| s.samples.len()).unwrap_or(late);
-        let stamps = most.samples.iter().map(|(stamp, _)| *stamp).filter(|stamp| *stamp >= start);
-        let stamps: Vec<i64> = stamps.collect();
-        if stamps.is_empty() {
-            return Err(IoError::Apart {
-                file: shown(path),
-                late: late.name.clone(),
-                early: most.name.clone(),
-            });
+        let most = of_rows(&wanted, &is_sensor);
+        let rows: Vec<i64> = most.map_or(vec![], |s| s.samples.iter().map(|(at, _)| *at).collect());
+        let values = wanted.iter().map(|s| at_rows(&s.samples, &rows, is_sensor(&s.name)));
+        let values: Vec<Vec<Option<f64>>> = values.collect();
+        let begun = values.iter().map(|v| v.iter().take_while(|x| x.is_none()).count());
+        let first = begun.max().unwrap_or(0);
+        if let Some(most) = most.filter(|_| first == rows.len()) {
+            return Err(apart(path, most, &wanted));
         }
-        Ok(stamps)
+        let second = |at: &i64| (i128::from(*at) - i128::from(rows[first])) as f64;
+        let t = rows[first..].iter().map(|at| second(at) / self.per_second).collect();
+        let columns = wanted.iter().zip(&values);
+        let columns =
+            columns.map(|(s, v)| (s.name.as_str(), v[first..].iter().copied().flatten().collect()));
+        let time = std::iter::once((self.time.as_str(), t));
+        frame(path, time.chain(columns).filter(|(name, _)| names.iter().any(|n| n == name)))
     }
 }
 
-impl Signal {
-    /// The last value at or before each stamp; there must be one before the first.
-    fn held(&self, stamps: &[i64]) -> Vec<f64> {
-        let mut k = 0;
-        let last = |stamp: &i64| {
-            while self.samples.get(k + 1).is_some_and(|(next, _)| next <= stamp) {
-                k += 1;
-            }
-            self.samples[k].1
-        };
-        stamps.iter().map(last).collect()
-    }
+/// The signal at whose stamps the rows are: the one with the most values, or a sensor with as many, of which no value
+/// between its stamps is needed then; of several the first.
+fn of_rows<'a>(wanted: &[&'a Signal], is_sensor: impl Fn(&str) -> bool) -> Option<&'a Signal> {
+    let most = wanted.iter().map(|s| s.samples.len()).max()?;
+    let as_many = |s: &&&'a Signal| s.samples.len() as f64 >= AS_MANY * most as f64;
+    let sensor = wanted.iter().filter(as_many).find(|s| is_sensor(&s.name));
+    sensor.or_else(|| wanted.iter().find(|s| s.samples.len() == most)).copied()
+}
+
+/// That one of the signals begins after the last row.
+fn apart(path: &Path, rows: &Signal, wanted: &[&Signal]) -> IoError {
+    let first = |s: &&&Signal| s.samples.first().map(|(stamp, _)| *stamp);
+    let late = wanted.iter().max_by_key(first).map_or(&rows.name, |s| &s.name);
+    IoError::Apart { file: shown(path), late: late.clone(), early: rows.name.clone() }
 }
 
 /// Columns of one length as a frame.
@@ -164,7 +169,8 @@ mod tests {
 
     fn columns(signals: &Signals, names: &[&str]) -> Result<Vec<Vec<f64>>, String> {
         let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-        let frame = signals.frame(Path::new("x.wpilog"), &names).map_err(|e| e.to_string())?;
+        let frame =
+            signals.frame(Path::new("x.wpilog"), &names, |_| true).map_err(|e| e.to_string())?;
         let values =
             |n: &String| frame.column(n).unwrap().f64().unwrap().iter().flatten().collect();
         Ok(names.iter().map(values).collect())
@@ -197,6 +203,20 @@ mod tests {
         let rows = columns(&signals, &["t", "a", "b"]).unwrap();
         assert_eq!(rows, [vec![0.0, 0.2], vec![7.0, 8.0], vec![2.0, 4.0]]);
         assert_eq!(signals.names(), ["t", "busy", "b", "a"]);
+    }
+
+    #[test]
+    fn what_one_loop_writes_after_one_another_is_of_one_row() {
+        let mut all = Collector::default();
+        for k in 0..100 {
+            for (i, name) in ["input", "speed"].iter().enumerate() {
+                let place = all.place(name);
+                all.push(place, 1000 * k + 20 * i as i64, k as f64);
+            }
+        }
+        let rows = columns(&all.finish(1e6), &["t", "input", "speed"]).unwrap();
+        assert_eq!(rows[1], rows[2]);
+        assert!(rows[1].len() == 100 && rows[0][99] == 0.099);
     }
 
     #[test]

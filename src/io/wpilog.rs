@@ -2,9 +2,9 @@
 //!
 //! Every entry of numbers is a column under its name; an array is one column for each element,
 //! `name[0]`, `name[1]`, …; booleans are 0 and 1. Entries have time stamps of their own, so the
-//! rows stand at the stamps of the most frequent of the entries that the column map names, and
-//! the others hold their last value; rows begin when all have one. The column `t` \[s\] counts from
-//! the first row.
+//! rows stand at the stamps of the most frequent of the entries that the column map names. What a loop
+//! writes some microseconds later or earlier is of the same row, and other entries hold their last
+//! value; rows begin when all have one. The column `t` \[s\] counts from the first row.
 //!
 //! ```text
 //! file    = "WPILOG" version:u16 length:u32 text  record*

@@ -65,7 +65,7 @@ fn the_records_that_the_specification_prints_are_understood() {
     let signals = parse(&bytes).unwrap();
     let names = ["t".to_string(), "test".to_string()];
     assert_eq!(signals.names(), names);
-    let frame = signals.frame(Path::new("x"), &names).unwrap();
+    let frame = signals.frame(Path::new("x"), &names, |_| true).unwrap();
     assert_eq!(frame.column("test").unwrap().f64().unwrap().get(0), Some(3.0));
     // nothing may follow a finish
     bytes.extend(THREE);
