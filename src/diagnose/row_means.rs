@@ -29,8 +29,8 @@ pub(super) fn line_with_means<T: Real>(
 }
 
 /// The values at the rows of an input that varies linearly between them and whose means over the rows are those of the
-/// cubic spline through the recorded values, `shift` seconds later. Of a smooth input the line through its values has a twelfth of
-/// the second difference in its mean over a row, as much as shifts it by an eighth where it bends.
+/// cubic spline through the recorded values, `shift` seconds later. Of a smooth input the line through its values has a
+/// twelfth of its second difference too much in the mean over a row.
 pub(super) fn line_with_means_of_spline<T: Real>(
     t: &[f64],
     recorded: &[[T; 2]],

@@ -68,12 +68,14 @@ pub(super) fn note_unknown_course(plan: &mut Plan) {
 }
 
 /// Whether the input is held from row to row, or the motion follows the line between its samples half a row late,
-/// within an uncertainty that excludes the line itself.
+/// within an uncertainty that excludes the line itself. A time that a missing effect may cause, which is not corrected, does
+/// not show it.
 fn changes_at_rows(hold: Hold, timing: Option<Timing>, step: f64) -> bool {
     let half = |timing: Timing| {
         let late = timing.dead_time_s / step;
         let uncertain = THRESHOLDS.uncertain * timing.std_error_s / step;
-        (late - THRESHOLDS.logging).abs() <= uncertain && late > uncertain
+        let is_shown = timing.correction_s != 0.0;
+        is_shown && (late - THRESHOLDS.logging).abs() <= uncertain && late > uncertain
     };
     hold == Hold::Constant || timing.is_some_and(half)
 }
@@ -83,7 +85,8 @@ mod tests {
     use super::*;
 
     fn late(dead_time_s: f64, std_error_s: f64) -> Option<Timing> {
-        Some(Timing { dead_time_s, std_error_s, ..Timing::default() })
+        let correction_s = dead_time_s;
+        Some(Timing { dead_time_s, std_error_s, correction_s, ..Timing::default() })
     }
 
     #[test]
@@ -94,6 +97,9 @@ mod tests {
         for timing in [late(0.0001, 0.0002), late(0.0080, 0.0002), late(0.0050, 0.0040), None] {
             assert!(!is(timing), "{timing:?}");
         }
+        // an effect may be missing
+        let kept = late(0.0050, 0.0002).map(|timing| Timing { correction_s: 0.0, ..timing });
+        assert!(!is(kept));
         assert!(changes_at_rows(Hold::Constant, None, 0.01));
     }
 }

@@ -23,7 +23,8 @@ pub struct Inputs {
     pub rest_errors: f64,
     /// Number of standard errors by which an offset at rest must exceed zero: one log in a million by chance.
     pub offset_errors: f64,
-    /// Largest offset as a share of the range of the input; above it an external force holds the robot (judgement).
+    /// Largest offset as a share of the range of the input: what holds a robot at rest against more than half of its
+    /// largest input is a stop (judgement).
     pub offset: f64,
     /// Share of the period of a command within which a sample after a row is of the same cycle (judgement): the
     /// command acts this much too early then, and a whole cycle too late otherwise.
@@ -47,7 +48,7 @@ pub(in crate::conditioning) const INPUTS: Inputs = Inputs {
     at_rest_rows: 20,
     rest_errors: 5.0,
     offset_errors: 5.0,
-    offset: 0.1,
+    offset: 0.5,
     same_cycle: 0.1,
     new_together: 0.95,
     held: 0.5,
