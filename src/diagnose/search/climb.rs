@@ -92,7 +92,8 @@ impl Search<'_> {
     /// if two effects are missing, a flexible one fits a part of both to the training recordings. One without a size
     /// may contain a simpler effect as a limit (a sliding caster far behind the axle acts as turning scrub), which
     /// comes after it: if the input between the rows leaves its size open, the first later one is taken that has a size
-    /// and is hardly less probable. Of effects that the training recordings do not distinguish, one that predicts
+    /// and is hardly less probable. Of effects that the training recordings do not distinguish, or of which their torque
+    /// balance prefers the first, which leaves an error above the floor, and their simulation the other, one that predicts
     /// held-out recordings better by a relevant share is taken. If the present error is at the floor of the
     /// present model or of that with the effect, an effect that clips the input clips noise of its record, which is part
     /// of the floor.
@@ -113,10 +114,13 @@ impl Search<'_> {
         let with_error = |(n, id, fit)| Some((n, id, fit, self.shown(fit)));
         let lowers = |one: &(usize, &String, &WindowFit, f64)| self.lowers(shown, one.3, one.2);
         let (first, id, fit, error) = sized.by_ref().filter_map(with_error).find(lowers)?;
+        // the torque balance may prefer the one that the simulation does not
+        let is_open = self.is_unexplained(fit);
         let is_about_as_good = |n: usize| {
             let (one, other) = (&ranking[first], &ranking[n]);
             let alike = other.bic - one.bic < THRESHOLDS.alike;
-            other.bic_windows < 0.0 && (alike || self.is_undecided(one, other))
+            let simulates_better = is_open && other.bic_windows < one.bic_windows;
+            other.bic_windows < 0.0 && (alike || simulates_better || self.is_undecided(one, other))
         };
         let alike = sized.filter(|(n, ..)| is_about_as_good(*n)).filter_map(with_error);
         let mut alike =
