@@ -275,7 +275,11 @@ mod tests {
                 .map(ToString::to_string)
                 .collect::<String>()
         };
-        assert!(said(30.0).contains("write scale = 0.0333"), "{}", said(30.0));
+        assert!(
+            said(30.0).contains("write scale = 0.033334 in dalpha1 and dalpha2"),
+            "{}",
+            said(30.0)
+        );
         assert!(said(0.0125).contains("write scale = 0.012500 in alpha1 and alpha2"));
         // a radius of 0.05 m makes the same of metres
         assert!(said(20.0).contains("in m (or a gear of 19.99"), "{}", said(20.0));

@@ -28,8 +28,8 @@ pub fn common_lag<'a>(recordings: impl Iterator<Item = &'a [Finding]>) -> Option
 
 /// The lag of the speed of wheel `i` among findings.
 fn shown(findings: &[Finding], i: usize) -> Option<Lag> {
-    let of_wheel = findings.iter().filter(|f| f.channel == Channel::Speed(i));
-    of_wheel.into_iter().find_map(|f| match f.kind {
+    let mut of_wheel = findings.iter().filter(|f| f.channel == Channel::Speed(i));
+    of_wheel.find_map(|f| match f.kind {
         Kind::Lag { lag_s, std_error_s } | Kind::Filtered { lag_s, std_error_s } => {
             Some(Lag { value: lag_s, std_error: std_error_s })
         }
@@ -56,10 +56,10 @@ pub fn lags_differ<'a>(recordings: impl Iterator<Item = (&'a [Finding], f64)>) -
     let recordings: Vec<(&[Finding], f64)> = recordings.collect();
     let delayed = |i: usize| {
         let delays = recordings.iter().filter_map(move |(found, step)| {
-            let is_one =
-                |f: &&Finding| matches!(f.kind, Kind::Lag { .. }) && f.channel == Channel::Speed(i);
-            found.iter().find(is_one)?;
-            Some((shown(found, i)?, *step))
+            let is_delay =
+                |f: &Finding| f.channel == Channel::Speed(i) && matches!(f.kind, Kind::Lag { .. });
+            let lag = shown(found, i)?;
+            found.iter().any(is_delay).then_some((lag, *step))
         });
         delays.collect::<Vec<(Lag, f64)>>()
     };

@@ -105,7 +105,7 @@ pub(super) fn whole(values: &[f64]) -> bool {
 }
 
 /// Whether values rise and never fall.
-pub(in crate::experiment) fn never_falls(values: &[f64]) -> bool {
+pub(super) fn never_falls(values: &[f64]) -> bool {
     let held: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     held.first() < held.last() && held.windows(2).all(|w| w[0] <= w[1])
 }
