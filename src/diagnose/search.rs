@@ -126,7 +126,13 @@ pub fn diagnose(
     let validated = search.held.is_some();
     let tested = search.held.as_ref().unwrap_or(&search.windows).windows.len();
     let widened = |fit: WindowFit| with_sampling(fit, &search.windows);
-    let steps = steps.into_iter().map(|step| Step { fit: widened(step.fit), ..step }).collect();
+    let taken: Vec<String> = steps.iter().map(|step| step.id.clone()).collect();
+    let finished = |step: Step| {
+        // an effect that is found too is no alternative
+        let equals = step.equals.into_iter().filter(|id| !taken.contains(id)).collect();
+        Step { fit: widened(step.fit), equals, ..step }
+    };
+    let steps = steps.into_iter().map(finished).collect();
     Ok(Diagnosis { base: widened(base), ranking, steps, rest, validated, tested })
 }
 

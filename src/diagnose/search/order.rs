@@ -79,8 +79,9 @@ impl Search<'_> {
         }
     }
 
-    /// Among the candidates that training windows do not distinguish, ranks first the one with the lowest
-    /// held-out error, if lower by a relevant share. This applies far above the noise, if the first leaves an error
+    /// Among the candidates that training windows do not distinguish from the first, ranks first the one with the lowest
+    /// held-out error, if lower by a relevant share; of those whose held-out errors differ by less, that with the fewest
+    /// parameters: the others may contain it as a limit. This applies far above the noise, if the first leaves an error
     /// above the floor.
     fn choose_alike(&self, ranked: &mut [Ranked]) {
         let Some(first) = ranked.first() else { return };
@@ -89,9 +90,17 @@ impl Search<'_> {
         let near = |r: &Ranked| r.bic_windows < first.bic_windows || self.is_undecided(first, r);
         let others = (1..ranked.len()).filter(|&n| !shifts(&ranked[n]) && near(&ranked[n]));
         let errors = others.filter_map(|n| Some((n, self.shown(ranked[n].refit.as_ref()?))));
-        let lowest = errors.min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((n, _)) = lowest.filter(|(_, least)| is_lower(*least, self.shown(fit))) {
-            ranked[..=n].rotate_right(1);
+        let all: Vec<(usize, f64)> = std::iter::once((0, self.shown(fit))).chain(errors).collect();
+        let lowest = all.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+        let parameters = |n: usize| ranked[n].candidate.parameters();
+        let alike = all.iter().filter(|(_, error)| !is_lower(lowest, *error));
+        let simplest = alike.min_by(|a, b| {
+            // the first stays if it is one of the simplest
+            let order = (a.0 != 0).cmp(&(b.0 != 0)).then(a.1.total_cmp(&b.1));
+            parameters(a.0).cmp(&parameters(b.0)).then(order)
+        });
+        if let Some((n, _)) = simplest {
+            ranked[..=*n].rotate_right(1);
         }
     }
 
@@ -99,10 +108,7 @@ impl Search<'_> {
     /// that comes first stays first: with the input at a wrong time no other effect is judged.
     pub(super) fn is_undecided(&self, a: &Ranked, b: &Ranked) -> bool {
         let (Some(one), Some(other)) = (&a.refit, &b.refit) else { return false };
-        !a.candidate.is_shift()
-            && self.is_far(one.cost)
-            && self.is_far(other.cost)
-            && !self.is_distinguished(one, other)
+        self.is_far(one.cost) && self.is_far(other.cost) && !self.is_distinguished(one, other)
     }
 
     /// Whether the training windows distinguish two fits, if a window counts as one value: far above the noise the
@@ -182,4 +188,40 @@ pub(super) fn equals(ranking: &[Ranked]) -> Vec<String> {
 /// Whether the data hardly distinguish two candidates that were refitted.
 fn alike(best: &Ranked, other: &Ranked) -> bool {
     other.refit.is_some() && (other.bic - best.bic).abs() < THRESHOLDS.alike
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::search::recorded;
+    use crate::diagnose::{Data, Settings};
+    use crate::model::Model;
+    use crate::robot::Robot;
+    use crate::simulate::Hold;
+
+    #[test]
+    fn of_effects_that_predict_alike_far_above_the_floor_the_one_with_fewer_parameters_is_first() {
+        // offsets that are no candidate leave every refit far above the floor; a caster far behind the axle acts as scrub
+        let base = Model::base(Robot::amigobot());
+        let model = base.add("turning_scrub").unwrap().add("torque_offset").unwrap();
+        let mut truth = base.initial();
+        truth.extend([0.05, 0.04, 0.04]);
+        let [train, validation] = [3, 4].map(|seed| recorded(&model, &truth, seed));
+        let candidates = ["sliding_caster", "turning_scrub"].map(str::to_owned).to_vec();
+        let settings = Settings { candidates, ..Settings::default() };
+        let starts = [base.initial()];
+        let data =
+            Data { train: &train, validation: &validation, hold: Hold::Linear, corrected_s: 0.0 };
+        let search = Search::new(&base, &starts, &data, &settings).unwrap();
+        let present = search.base(&base, &starts).unwrap();
+        let mut ranked = search.rank(&present, true);
+        search.refit_all(&present, &mut ranked, &[0, 1], None);
+        ranked.sort_by_key(|r| r.candidate.id == "turning_scrub");
+        assert!(search.is_undecided(&ranked[0], &ranked[1]));
+        for order in [[0, 1], [1, 0]] {
+            let mut other = order.map(|n| ranked[n].clone());
+            search.choose_alike(&mut other);
+            assert_eq!(other[0].candidate.id, "turning_scrub");
+        }
+    }
 }
