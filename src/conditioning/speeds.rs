@@ -16,8 +16,10 @@
 //! speeds that are late by more than a row and a half are used if they are only delayed, and not if they are filtered
 //! (`delayed.rs`).
 
+mod advance;
 mod delayed;
 mod lag;
+mod low_passed;
 mod of_angle;
 
 use nalgebra::Vector2;
@@ -30,7 +32,7 @@ use super::signal::{changes, column, median_step, noise_variance, pieces};
 use super::thresholds::SPEEDS;
 use super::{Conditioned, Context, Settings};
 use crate::math::{
-    Line, NormalEquations, cumulative_trapezoid, interpolate, quantile, robust_deviation,
+    NormalEquations, cumulative_trapezoid, interpolate, quantile, robust_deviation,
     trimmed_mean_square,
 };
 use crate::recording::RESOLVED;
@@ -89,9 +91,15 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
         .zip(lags.map(|lag| lag.value))
         .filter(|(_, lag)| lag.abs() > SPEEDS.skew * step)
         .collect();
-    let spare = full_rate && samples.iter().zip(lags).all(|(s, lag)| angles_suffice(s, lag.value));
-    let is_filtered = || late.iter().any(|(s, lag)| !delayed::is_delayed(s, *lag));
-    if !late.is_empty() && spare && is_filtered() {
+    // that of a row or less shows no motion, which changes over windows
+    let over = |lag: f64| if late.is_empty() { WINDOW.0 } else { lag.abs() };
+    let spare =
+        full_rate && samples.iter().zip(lags).all(|(s, lag)| angles_suffice(s, over(lag.value)));
+    let is_filtered = || match late.is_empty() {
+        true => low_passed::are_low_passed(samples.iter().zip(lags.map(|lag| lag.value))),
+        false => late.iter().any(|(s, lag)| !delayed::is_delayed(s, *lag)),
+    };
+    if spare && is_filtered() {
         state(work, settings, lags, |lag_s, std_error_s| Kind::Filtered { lag_s, std_error_s });
         if settings.speeds {
             work.channels.omega = None;
@@ -102,7 +110,7 @@ pub(super) fn timing(work: &mut Conditioned, settings: &Settings, context: &Cont
     } else {
         state(work, settings, lags, |lag_s, std_error_s| Kind::Lag { lag_s, std_error_s });
         if settings.speeds {
-            advance(work, lags.map(|lag| lag.value), full_rate);
+            advance::advance(work, lags.map(|lag| lag.value), full_rate);
         }
     }
 }
@@ -228,7 +236,12 @@ fn lag(s: &Samples) -> Option<(Lag, bool)> {
         Some((lag, informed)) if informed > SPEEDS.informed => (lag, true),
         _ => {
             let Lag { value, std_error } = found(f64::INFINITY)?.0;
-            (Lag { value, std_error: std_error.hypot(SPEEDS.lag_rows * s.step) }, false)
+            match low_passed::time(s, value) {
+                Some(lag) => (lag, true),
+                None => {
+                    (Lag { value, std_error: std_error.hypot(SPEEDS.lag_rows * s.step) }, false)
+                }
+            }
         }
     };
     // read after the angle, a speed leads it by less than a row
@@ -314,70 +327,12 @@ fn read(s: &Samples, way: &[f64], t: f64, k: usize) -> Option<(f64, f64)> {
     Some((way[j] + 0.5 * share * h * (s.omega[j] + omega), omega))
 }
 
-/// Whether the angle determines the speed over a time no longer than the delay, as accurately as its own channel, or to
-/// within what angles alone are used with. The noise that a filter leaves on a speed is no measure of its accuracy.
-fn angles_suffice(s: &Samples, lag: f64) -> bool {
+/// Whether the angle determines the speed over a time as accurately as its own channel, or to within what angles alone are
+/// used with. The noise that a filter leaves on a speed is no measure of its accuracy.
+fn angles_suffice(s: &Samples, time: f64) -> bool {
     let (angle, speed) = (noise_variance(&s.alpha).sqrt(), noise_variance(&s.omega).sqrt());
     let top = quantile(s.omega.iter().map(|w| w.abs()), FAST);
-    angle * 2.0_f64.sqrt() / lag.abs() < (SPEEDS.as_accurate * speed).max(RESOLVED * top)
-}
-
-/// Reads each wheel's speed later by its lag: whole rows by moving it, the rest by the acceleration around, so that the
-/// noise of each speed stays its own.
-fn advance(work: &mut Conditioned, lags: [f64; 2], full_rate: bool) {
-    let t = work.channels.t.clone();
-    let step = median_step(&t);
-    let rows = lags.map(|lag| (lag / step).round() as isize);
-    // between the values of a slow sensor there is no slope
-    let rest = |i: usize| if full_rate { lags[i] - rows[i] as f64 * step } else { 0.0 };
-    let Some(omega) = &work.channels.omega else { return };
-    let mut out = omega.clone();
-    let mut there = vec![true; t.len()];
-    for piece in pieces(&t) {
-        for (k, i) in piece.clone().flat_map(|k| [(k, 0), (k, 1)]) {
-            let source = k.checked_add_signed(rows[i]).filter(|source| piece.contains(source));
-            let Some(source) = source else {
-                there[k] = false;
-                continue;
-            };
-            let near = source.saturating_sub(AROUND).max(piece.start)
-                ..(source + AROUND + 1).min(piece.end);
-            out[k][i] = omega[source][i] + rest(i) * slope(&t, omega, near, i);
-        }
-    }
-    work.channels.omega = Some(out);
-    if rows != [0; 2] {
-        keep(work, &there);
-    }
-}
-
-/// Samples to either side of the acceleration: its noise adds less than a fiftieth to that of the
-/// speed.
-const AROUND: usize = 3;
-
-/// Slope of a line through the speeds.
-fn slope(t: &[f64], omega: &[[f64; 2]], rows: std::ops::Range<usize>, i: usize) -> f64 {
-    let slope = Line::through(rows.map(|k| (t[k], omega[k][i]))).slope;
-    if slope.is_finite() { slope } else { 0.0 }
-}
-
-/// Drops the rows at the ends of pieces that have no speed of their time.
-fn keep(work: &mut Conditioned, there: &[bool]) {
-    let c = &mut work.channels;
-    let pick = |rows: &mut Vec<[f64; 2]>| {
-        let mut k = 0;
-        rows.retain(|_| {
-            k += 1;
-            there[k - 1]
-        });
-    };
-    let mut k = 0;
-    c.t.retain(|_| {
-        k += 1;
-        there[k - 1]
-    });
-    pick(&mut c.torque);
-    [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten().for_each(pick);
+    angle * 2.0_f64.sqrt() / time < (SPEEDS.as_accurate * speed).max(RESOLVED * top)
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ fn late_beside(lag: f64, noise: f64, step: f64, seed: u64) -> Channels {
 }
 
 /// The same of a motion, its angle and speed at a time.
-fn of_motion(
+pub(super) fn of_motion(
     (angle, speed): (impl Fn(f64) -> [f64; 2], impl Fn(f64) -> [f64; 2]),
     lag: f64,
     noise: f64,
@@ -46,11 +46,11 @@ fn of_motion(
     Channels { t, alpha: Some(alpha), omega: Some(omega), torque }
 }
 
-fn done(channels: Channels) -> Conditioned {
+pub(super) fn done(channels: Channels) -> Conditioned {
     condition(channels, &Settings::default(), &Context::default()).unwrap()
 }
 
-fn lag_of(findings: &[Finding]) -> Option<(f64, f64)> {
+pub(super) fn lag_of(findings: &[Finding]) -> Option<(f64, f64)> {
     findings.iter().find_map(|f| match f.kind {
         Kind::Lag { lag_s, std_error_s } => Some((lag_s, std_error_s)),
         _ => None,

@@ -48,6 +48,9 @@ pub struct Speeds {
     /// Largest delay in samples of one sensor that is read after the other; a longer one is that of a filter or a late
     /// message (judgement).
     pub skew: f64,
+    /// Number of standard errors by which a low-pass must explain the angles better than a delay of about a row: a delay is
+    /// taken for a low-pass by chance in one of forty logs, whose speeds are then not used.
+    pub smoothed_errors: f64,
     /// Share of the changes of the speed that must agree with a delay: with less, it is not that of the motion.
     pub informed: f64,
     /// Number of robust deviations beyond which a window is left out: jumps of the angle (judgement).
@@ -85,6 +88,7 @@ pub(in crate::conditioning) const SPEEDS: Speeds = Speeds {
     lag_errors: 5.0,
     lag_rows: 0.289,
     skew: 1.5,
+    smoothed_errors: 2.0,
     informed: 0.5,
     jumps: 8.0,
     shared_noise: 0.25,
