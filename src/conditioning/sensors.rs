@@ -1,10 +1,23 @@
 //! Sensors: their refresh, their steps.
 
 use super::Conditioned;
+use super::align::refreshed_alone;
 use super::finding::{Action, Channel, Finding, Kind};
 use super::signal::{column, median_high, noise_variance};
 use crate::math::noise::quantum;
-use crate::recording::refreshed;
+use crate::recording::{Channels, refreshed};
+
+/// Time between new values of the slowest sensor \[s\]: corrections of their times may have moved those of the others into other
+/// rows.
+fn period(c: &Channels) -> f64 {
+    let sensors = [c.alpha.as_ref(), c.omega.as_ref()].into_iter().flatten();
+    let each = sensors.flat_map(|values| [0, 1].map(|i| column(values, i))).map(|values| {
+        let new = refreshed_alone(&c.t, &values);
+        let t: Vec<f64> = c.t.iter().zip(new).filter_map(|(t, new)| new.then_some(*t)).collect();
+        median_high(t.windows(2).map(|t| t[1] - t[0]))
+    });
+    each.fold(0.0, f64::max)
+}
 
 /// Reports the refresh interval of the sensors, and their quantisation steps.
 pub(super) fn refresh(work: &mut Conditioned) {
@@ -13,7 +26,7 @@ pub(super) fn refresh(work: &mut Conditioned) {
     let rows: Vec<usize> = (0..fresh.len()).filter(|&k| fresh[k]).collect();
     let mut found = Vec::new();
     if rows.len() < fresh.len() {
-        let period_s = median_high(rows.windows(2).map(|w| c.t[w[1]] - c.t[w[0]]));
+        let period_s = period(c);
         let kind = Kind::Refresh { period_s };
         found.push(Finding { channel: Channel::Sensors, kind, action: Action::Used });
     }

@@ -164,13 +164,24 @@ fn spikes(r: &Recording, channel: Quantity, i: usize, values: &[[f64; 2]]) -> Op
         found.retain(|k| !answers(*k));
     } else if !found.is_empty() {
         let steps = steps_before(r.torque());
-        found.retain(|k| !steps(*k));
+        found.retain(|k| !steps(*k) && !turns(values, i, *k));
     }
     let first = *found.first()?;
     let around = [first - 1, first, first + 1].map(|k| values[k][i]);
     let severity = if channel == Quantity::Input { Severity::Note } else { Severity::Warning };
     let (count, t) = (found.len(), r.t()[first]);
     Some(Finding::new(severity, Issue::Spikes { channel, wheel: i, count, t, around }))
+}
+
+/// Whether the motion turns at sample `k`: the line through the two samples on one side of it reaches more than half of the way
+/// to it, so that it is nearer to that line than to its neighbours.
+fn turns(values: &[[f64; 2]], i: usize, k: usize) -> bool {
+    let reaches = |near: usize, far: usize| {
+        let at = |j: usize| values.get(j).map_or(f64::NAN, |v| v[i]);
+        let (step, way) = (at(near) - at(far), at(k) - at(near));
+        step * way > 0.0 && step.abs() > 0.5 * way.abs()
+    };
+    k >= 2 && reaches(k - 1, k - 2) || reaches(k + 1, k + 2)
 }
 
 /// Whether the speed of wheel `i` changes at row `k`, or from it to the next, as it does in one of fifty rows (judgement): a

@@ -163,6 +163,26 @@ fn jumps_and_wraps_of_an_angle_are_counted() {
 }
 
 #[test]
+fn a_motion_that_turns_between_two_slow_rows_is_no_spike() {
+    // accelerations of 15 rad/s^2 to either side at 5 Hz beside a smooth motion
+    let r = with(&rich(6), |c| {
+        let turn = 0.01 * 1000.0;
+        let by = |t: f64| 6.0 * (1.0 - (t - turn).abs() / 0.4).max(0.0);
+        let rows: Vec<usize> = (0..c.t.len()).step_by(20).collect();
+        let t: Vec<f64> = rows.iter().map(|&k| c.t[k]).collect();
+        let old = c.omega.take().unwrap();
+        let pick = |v: &[[f64; 2]]| rows.iter().map(|&k| v[k]).collect::<Vec<_>>();
+        let smooth = |t: f64| [2.0 + (0.3 * t).sin() + by(t), 2.0 + (0.4 * t).cos()];
+        assert_eq!(old.len(), c.t.len());
+        c.alpha = None;
+        c.omega = Some(t.iter().map(|t| smooth(*t)).collect());
+        c.torque = pick(&c.torque);
+        c.t = t;
+    });
+    assert!(!said(&r).contains("spike"), "{}", said(&r));
+}
+
+#[test]
 fn spikes_are_counted_and_the_first_is_shown() {
     let mut r = rich(6);
     r = with(&r, |c| {
