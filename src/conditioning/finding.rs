@@ -42,6 +42,17 @@ impl Channel {
     }
 }
 
+/// Where in its row the one sample of an input is taken that changes at the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampled {
+    /// The value of the row, at which the input is simulated as held.
+    Held,
+    /// At the start of its row: the motion follows the line between the samples half a row late.
+    First,
+    /// At the end of its row: the motion follows that line half a row early.
+    Last,
+}
+
 /// Correction of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {

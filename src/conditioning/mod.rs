@@ -53,7 +53,7 @@ pub use counts::{Encoder, Encoders, common_encoders};
 pub(crate) use dead::DEAD_S;
 pub use error::ConditioningError;
 pub use factor::repair_factors;
-pub use finding::{Action, Channel, Finding, Kind, Stated, stated};
+pub use finding::{Action, Channel, Finding, Kind, Sampled, Stated, stated};
 pub use lost::held_over_lost_rows;
 pub use settings::Settings;
 pub use speeds::{Lag, SpeedLag, common_lag, common_share, lags_differ};

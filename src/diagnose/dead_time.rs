@@ -1,6 +1,8 @@
 //! The time of the recorded input, and what is stated of it.
 
+use super::scale::logging;
 use super::thresholds::THRESHOLDS;
+use crate::recording::Recording;
 use crate::simulate::Hold;
 
 /// How much later the recorded input acts.
@@ -25,6 +27,14 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// No time yet for these recordings: zero, with the limits of their rows.
+    #[must_use]
+    pub(crate) fn unknown(recordings: &[Recording]) -> Self {
+        let largest =
+            |value: fn(&Recording) -> f64| recordings.iter().map(value).fold(0.0, f64::max);
+        Self { logging_s: largest(logging), step_s: largest(Recording::step), ..Self::default() }
+    }
+
     /// The dead time \[s\] with the other input between the rows: what is held acts half a row later than the line. `None`
     /// too if a held input would act before it is given, and if half a row is within the uncertainty of the time.
     #[must_use]

@@ -46,7 +46,7 @@ pub fn scale_of(model: &Model, p: &[f64], recordings: &[&Recording]) -> Scale {
 
 /// Shift of the input that logging explains \[s\]: where the input is held through the rows, and where speeds were
 /// recorded alone, which may be differences of angles. Beside angles a difference shows itself, and is corrected.
-fn logging(recording: &Recording) -> f64 {
+pub(super) fn logging(recording: &Recording) -> f64 {
     let causes = if recording.measured().alpha { 1.0 } else { 2.0 };
     causes * THRESHOLDS.logging * recording.step()
 }

@@ -9,15 +9,18 @@
 //! a1 = a1_true (1 + h/(2 tau)),     tau = a1_true R/(k_t k_e)
 //! ```
 //!
+//! A sample at the end of its row, which is read before the next voltage is written, is below the mean by as much: a1 is then
+//! too small.
+//!
 //! At a constant period the fall is proportional to the acceleration, as is the torque of the inertia, so the motion
 //! cannot distinguish the two; it only shows that the input changes at the rows.
 
 use super::plan::{MeasuredRecording, Plan};
-use crate::conditioning::{Action, Channel, Finding, Kind};
+use crate::conditioning::{Action, Channel, Finding, Kind, Sampled};
 use crate::diagnose::{Acting, Known, THRESHOLDS, Timing, with_line_of_means};
 use crate::recording::{DriveUnit, Recording};
 use crate::simulate::Hold;
-use crate::study::Role;
+use crate::study::{RecordingStudy, Role};
 
 /// Holds the input until the next row, or, if `correct`, replaces its means by the line with these means, and reports it.
 /// Returns the parameters for such an input, or `None` if it is unchanged.
@@ -48,36 +51,51 @@ pub(super) fn apply_course(
     Some(p)
 }
 
-/// Reports measured torques and currents that change at the rows.
+/// Reports measured torques and currents that change at the rows. A time that a missing effect may cause, which is not
+/// corrected, does not show it.
 pub(super) fn note_unknown_course(plan: &mut Plan) {
-    let is_made = !plan.truth.is_empty();
-    if is_made || plan.drive_unit() == DriveUnit::Volt {
-        return;
-    }
-    let (hold, timing) = (plan.hold, plan.timing.ok());
-    for m in &mut plan.recordings {
-        let step = m.recording.step();
-        if !changes_at_rows(hold, timing, step) {
-            continue;
-        }
-        let held = hold == Hold::Constant;
-        let kind = Kind::OneSampleARow { half_row_s: 0.5 * step, held };
-        let found = |i| Finding { channel: Channel::Input(i), kind, action: Action::Noted };
-        m.conditioning.extend([0, 1].map(found));
+    let timing = plan.timing.ok().filter(|timing| timing.correction_s != 0.0);
+    let steps: Vec<f64> = plan.recordings.iter().map(|m| m.recording.step()).collect();
+    let found: Vec<_> =
+        steps.into_iter().map(|step| one_sample_a_row(plan, timing, step)).collect();
+    for (m, found) in plan.recordings.iter_mut().zip(found) {
+        m.conditioning.extend(found.into_iter().flatten());
     }
 }
 
-/// Whether the input is held from row to row, or the motion follows the line between its samples half a row late,
-/// within an uncertainty that excludes the line itself. A time that a missing effect may cause, which is not corrected, does
-/// not show it.
-fn changes_at_rows(hold: Hold, timing: Option<Timing>, step: f64) -> bool {
-    let half = |timing: Timing| {
-        let late = timing.dead_time_s / step;
-        let uncertain = THRESHOLDS.uncertain * timing.std_error_s / step;
-        let is_shown = timing.correction_s != 0.0;
-        is_shown && (late - THRESHOLDS.logging).abs() <= uncertain && late > uncertain
-    };
-    hold == Hold::Constant || timing.is_some_and(half)
+/// The same for the results of a diagnosis, by the time that the model with the effects found gives, which is at the noise
+/// floor; `recordings` are those of the plan.
+pub(super) fn add_unknown_course(plan: &Plan, recordings: &mut [RecordingStudy], timing: Timing) {
+    for (m, study) in plan.recordings.iter().zip(recordings) {
+        let is_stated = |f: &Finding| matches!(f.kind, Kind::OneSampleARow { .. });
+        if !study.conditioning.iter().any(is_stated) {
+            let found = one_sample_a_row(plan, Some(timing), m.recording.step());
+            study.conditioning.extend(found.into_iter().flatten());
+        }
+    }
+}
+
+/// The finding on both inputs of a recording with this time from row to row.
+fn one_sample_a_row(plan: &Plan, timing: Option<Timing>, step: f64) -> Option<[Finding; 2]> {
+    let is_made = !plan.truth.is_empty();
+    if is_made || plan.drive_unit() == DriveUnit::Volt {
+        return None;
+    }
+    let sampled = sampled(plan.hold, timing, step)?;
+    let kind = Kind::OneSampleARow { half_row_s: 0.5 * step, sampled };
+    Some([0, 1].map(|i| Finding { channel: Channel::Input(i), kind, action: Action::Noted }))
+}
+
+/// Where in its row a sample of the input is taken that changes at the rows: it is held from row to row, or the motion
+/// follows the line between the samples half a row late or early, within an uncertainty that excludes the line itself.
+fn sampled(hold: Hold, timing: Option<Timing>, step: f64) -> Option<Sampled> {
+    if hold == Hold::Constant {
+        return Some(Sampled::Held);
+    }
+    let Timing { dead_time_s, std_error_s, .. } = timing?;
+    let (late, uncertain) = (dead_time_s / step, THRESHOLDS.uncertain * std_error_s / step);
+    let is_half = (late.abs() - THRESHOLDS.logging).abs() <= uncertain && late.abs() > uncertain;
+    is_half.then_some(if late > 0.0 { Sampled::First } else { Sampled::Last })
 }
 
 #[cfg(test)]
@@ -85,21 +103,18 @@ mod tests {
     use super::*;
 
     fn late(dead_time_s: f64, std_error_s: f64) -> Option<Timing> {
-        let correction_s = dead_time_s;
-        Some(Timing { dead_time_s, std_error_s, correction_s, ..Timing::default() })
+        Some(Timing { dead_time_s, std_error_s, ..Timing::default() })
     }
 
     #[test]
     fn half_a_row_tells_steps_at_the_rows_from_a_line_between_them() {
-        let is = |timing| changes_at_rows(Hold::Linear, timing, 0.01);
-        assert!(is(late(0.0050, 0.0002)));
+        let of = |timing| sampled(Hold::Linear, timing, 0.01);
+        assert_eq!(of(late(0.0050, 0.0002)), Some(Sampled::First));
+        assert_eq!(of(late(-0.0052, 0.0002)), Some(Sampled::Last));
         // on the line, later than logging explains, and not known well enough
         for timing in [late(0.0001, 0.0002), late(0.0080, 0.0002), late(0.0050, 0.0040), None] {
-            assert!(!is(timing), "{timing:?}");
+            assert_eq!(of(timing), None, "{timing:?}");
         }
-        // an effect may be missing
-        let kept = late(0.0050, 0.0002).map(|timing| Timing { correction_s: 0.0, ..timing });
-        assert!(!is(kept));
-        assert!(changes_at_rows(Hold::Constant, None, 0.01));
+        assert_eq!(sampled(Hold::Constant, None, 0.01), Some(Sampled::Held));
     }
 }

@@ -11,7 +11,7 @@ use super::robot_table::has_no_track;
 use super::stages::Stages;
 use crate::compare::{Curve, WindowFloor};
 use crate::diagnose::{
-    Data, Diagnosis, INPUT_SHIFT, Progress, Settings, THRESHOLDS, Timing, WindowFit,
+    Data, Diagnosis, INPUT_SHIFT, Progress, Settings, THRESHOLDS, Timing, Untimed, WindowFit,
     with_later_input,
 };
 use crate::effects::{self, Change};
@@ -103,7 +103,10 @@ pub(super) fn diagnose_with_progress(
 /// without effects, where one of them is a shift itself, and where the data do not determine it within what logging
 /// explains.
 fn timing_with_found(plan: &Plan, diagnosis: &Diagnosis) -> Option<Timing> {
-    let given = plan.timing.ok()?;
+    let given = match plan.timing {
+        Err(Untimed::NotSought) => return None,
+        given => given.unwrap_or_else(|_| Timing::unknown(&plan.of(Role::Train))),
+    };
     let shifts = |id: &String| effects::find(id).is_some_and(|e| e.change() == Change::TimeShift);
     if diagnosis.found().iter().any(shifts) {
         return None;

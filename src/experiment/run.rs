@@ -1,5 +1,6 @@
 //! From a plan to a study: fit, compare, diagnose.
 
+use super::between_rows::add_unknown_course;
 use super::comparison::{Comparison, compare, without_fit};
 use super::diagnosis::{Diagnosed, diagnose_with_progress, verdict};
 use super::error::RunError;
@@ -81,7 +82,11 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
     let diagnosis = verdict(plan, &comparison, settled, &models.curves)?;
     let model_out = model_out(plan, &comparison, diagnosis.as_ref());
     let what_if = what_if(plan, &comparison, &models, diagnosis.as_ref());
-    let Comparison { recordings, methods, reference, .. } = comparison;
+    let Comparison { mut recordings, methods, reference, .. } = comparison;
+    let is_explained = diagnosis.as_ref().is_some_and(|d| !d.errors.above_floor());
+    if let Some(timing) = timing.filter(|_| is_explained) {
+        add_unknown_course(plan, &mut recordings, timing);
+    }
     // a diagnosis starts from the model of the file, the methods from one with its dead time
     let model = if diagnosis.is_some() { plan.model.clone() } else { plan.fitted_model() };
     let effects = model.added_ids();
@@ -94,7 +99,7 @@ pub fn study(plan: &Plan, diagnosed: Diagnosed) -> Result<Study, RunError> {
         curves,
         diagnosis,
         timing: timing.map_or(plan.timing, Ok),
-        timing_as_given: timing.and(plan.timing.ok()),
+        timing_as_given: timing.map(|_| plan.timing),
         model_out,
         what_if,
         ..bare(plan, recordings, methods)

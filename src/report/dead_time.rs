@@ -123,9 +123,10 @@ fn corrected(timing: &Timing) -> String {
     format!(", of which {shift} ms are corrected: as much as logging can cause")
 }
 
-/// The same by the model with the effects `found`, and what became of the time by the model as given, `before`.
+/// The same by the model with the effects `found`, and what became of the time by the model as given, `before`, if that
+/// gave one.
 #[must_use]
-pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> String {
+pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: Option<&Timing>) -> String {
     let Timing { dead_time_s, std_error_s, correction_s, .. } = *timing;
     if !is_determined(timing) {
         return UNDETERMINED.to_owned();
@@ -138,10 +139,12 @@ pub(crate) fn dead_time_with(found: &str, timing: &Timing, before: &Timing) -> S
     } else {
         ZERO.to_owned()
     };
-    let agrees = timing.agrees_with(before.dead_time_s, before.std_error_s);
-    let seeming = match agrees || !is_determined(before) {
-        true => String::new(),
-        false => format!(
+    let differs = |before: &&Timing| {
+        is_determined(before) && !timing.agrees_with(before.dead_time_s, before.std_error_s)
+    };
+    let seeming = match before.filter(differs) {
+        None => String::new(),
+        Some(before) => format!(
             ". Without {found} in the model it would seem to be {} ± {} ms from input to motion; the difference is due to \
              the missing effect",
             ms(before.dead_time_s),
@@ -216,16 +219,17 @@ mod tests {
     fn an_interval_wider_than_the_range_searched_determines_nothing() {
         // straight runs of a robot at one speed
         let open = Timing { std_error_s: 1.2376, ..of(0.034, 0.0) };
-        for text in [dead_time(&open), dead_time_with("turning scrub", &open, &of(0.0, 0.0))] {
+        for text in [dead_time(&open), dead_time_with("turning scrub", &open, Some(&of(0.0, 0.0)))]
+        {
             assert!(text.starts_with("not determined by these recordings"), "{text}");
         }
-        assert!(!dead_time_with("turning scrub", &of(0.002, 0.0), &open).contains("Without"));
+        assert!(!dead_time_with("turning scrub", &of(0.002, 0.0), Some(&open)).contains("Without"));
     }
 
     #[test]
     fn a_time_that_an_effect_stands_for_is_not_that_of_the_input() {
         let before = Timing { std_error_s: 0.0029, ..of(0.0214, 0.0) };
-        let said = dead_time_with("quadratic drag", &of(-0.0065, 0.0), &before);
+        let said = dead_time_with("quadratic drag", &of(-0.0065, 0.0), Some(&before));
         assert!(said.starts_with("the input acts 6.5 ± 0.4 ms before it is recorded"), "{said}");
         assert!(
             said.ends_with(
@@ -234,8 +238,10 @@ mod tests {
             ),
             "{said}"
         );
-        let alike = dead_time_with("quadratic drag", &of(-0.0065, 0.0), &of(-0.0061, 0.0));
+        let alike = dead_time_with("quadratic drag", &of(-0.0065, 0.0), Some(&of(-0.0061, 0.0)));
         assert!(!alike.contains("Without"), "{alike}");
+        let alone = dead_time_with("quadratic drag", &of(-0.0065, 0.0), None);
+        assert_eq!(alone, alike);
         assert_eq!(dead_time_name(&of(-0.0065, 0.0)), "Time of the input");
         assert_eq!(dead_time_name(&of(0.0002, 0.0)), "Dead time");
     }

@@ -185,7 +185,7 @@ pub struct Study {
     /// not explain is a delay in the fits of the methods.
     pub timing: Result<crate::diagnose::Timing, crate::diagnose::Untimed>,
     /// The same by the model as given, where `timing` is that by the model with the effects found.
-    pub timing_as_given: Option<crate::diagnose::Timing>,
+    pub timing_as_given: Option<Result<crate::diagnose::Timing, crate::diagnose::Untimed>>,
     /// True parameters of synthetic data.
     pub truth: Vec<(String, f64)>,
     /// The files of the exported model; `None` if no method identified one.

@@ -1,5 +1,7 @@
 //! The kinds of findings, with their numbers.
 
+use super::Sampled;
+
 /// A finding with counts of type `C` and other numbers of type `R`. Rows are counted from 1, the first row of
 /// data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,10 +163,10 @@ pub enum Kind<C = usize, R = f64> {
     /// A torque or current with one sample a row that changes at the rows, as determined from the motion: its course
     /// between them is not recorded.
     OneSampleARow {
-        /// Half a row, by which the motion follows the samples later \[s\].
+        /// Half a row, by which the motion follows the samples later or earlier \[s\].
         half_row_s: R,
-        /// Whether the input is simulated as held from row to row.
-        held: bool,
+        /// Where in its row a sample is taken.
+        sampled: Sampled,
     },
     /// An input that the experiment file describes as held from row to row and that changes between the rows, as
     /// determined from the motion.

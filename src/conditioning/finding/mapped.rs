@@ -62,8 +62,8 @@ impl<C: Copy, R: Copy> Statement<C, R> for Kind<C, R> {
             },
             Self::HeldInput => Kind::HeldInput,
             Self::RowMeans { middle_s } => Kind::RowMeans { middle_s: real(middle_s) },
-            Self::OneSampleARow { half_row_s, held } => {
-                Kind::OneSampleARow { half_row_s: real(half_row_s), held }
+            Self::OneSampleARow { half_row_s, sampled } => {
+                Kind::OneSampleARow { half_row_s: real(half_row_s), sampled }
             }
             Self::StepsBetweenRows => Kind::StepsBetweenRows,
             Self::LostRows { rows } => Kind::LostRows { rows: whole(rows) },

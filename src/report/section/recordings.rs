@@ -134,14 +134,21 @@ fn time_of_input(study: &Study) -> Option<String> {
     match &study.timing {
         Ok(timing) => Some(timed(study, timing)),
         Err(Untimed::NotSought) => None,
-        Err(reason) => Some(format!("Dead time: {}.", no_dead_time(reason))),
+        Err(reason) => Some(match shift_found(study) {
+            None => format!("Dead time: {}.", no_dead_time(reason)),
+            Some(id) => format!(
+                "Dead time by the model as given: {}; the diagnosis names {}.",
+                no_dead_time(reason),
+                words::effect_in_text(id)
+            ),
+        }),
     }
 }
 
 /// The time between input and motion, by the last model.
 fn timed(study: &Study, timing: &Timing) -> String {
     let text = match &study.timing_as_given {
-        Some(before) => dead_time_with(&words::found(study), timing, before),
+        Some(before) => dead_time_with(&words::found(study), timing, before.as_ref().ok()),
         None => dead_time(timing) + &decided(study, timing) + &by_filter(study, timing),
     };
     format!("{}: {text}.", dead_time_name(timing))
@@ -165,12 +172,17 @@ fn by_filter(study: &Study, timing: &Timing) -> String {
     })
 }
 
+/// The effect found that is a time of the input itself.
+fn shift_found(study: &Study) -> Option<&String> {
+    study.diagnosis.iter().flat_map(|d| &d.found).find(|id| shifts_input(id))
+}
+
 /// What became of a dead time that logging does not explain.
 fn decided(study: &Study, timing: &Timing) -> String {
     match &study.diagnosis {
         _ if !timing.is_late() => String::new(),
         None => format!(": {}", dead_time_advice()),
-        Some(diagnosis) => match diagnosis.found.iter().find(|id| shifts_input(id)) {
+        Some(_) => match shift_found(study) {
             Some(id) => format!("; the diagnosis names {}", words::effect_in_text(id)),
             None => {
                 "; the diagnosis does not prove it, and its verdict is on the model without a delay"

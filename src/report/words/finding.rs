@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use super::factor::{gear_scale, or_gear, or_metres, plain};
-use crate::conditioning::{Action, Channel, Finding, Kind, Stated};
+use crate::conditioning::{Action, Channel, Finding, Kind, Sampled, Stated};
 use crate::math::Span;
 
 /// When a sensor gives no new value.
@@ -151,7 +151,7 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
             ms(std_error_s)
         ),
         Kind::Filtered { lag_s, std_error_s } => format!(
-            "{name} lags the angle by {} ± {}, more than a sample, and is smoothed",
+            "{name} lags the angle by {} ± {} and is smoothed",
             ms(lag_s),
             ms(std_error_s)
         ),
@@ -175,17 +175,22 @@ fn found(name: &str, kind: Kind<Span<usize>, Span<f64>>, channel: Channel) -> St
              another correction) are not used",
             one(rows, "row")
         ),
-        Kind::OneSampleARow { half_row_s, held } => format!(
+        Kind::OneSampleARow { half_row_s, sampled } => format!(
             "{name} {}, its course between them is not recorded: a current that the drive regulates is constant there; that \
-             of a motor under a constant voltage falls as the motor gains speed, and a1 and a2 are then too large by the \
+             of a motor under a constant voltage falls as the motor gains speed, and a1 and a2 are then too {} by the \
              share of {} in the mechanical time constant of the motor, which their intervals do not contain (record the \
              voltages, or more rows)",
-            if held {
-                "has one sample a row. If it changes at the rows"
-            } else {
-                "acts half a row late or is held. If it is read half a row before the sensors, its time is known and nothing \
-                 is lost. If it changes at the rows"
+            match sampled {
+                Sampled::Held => "has one sample a row. If it changes at the rows",
+                Sampled::First =>
+                    "acts half a row late or is held. If it is read half a row before the sensors, its time is known and \
+                     nothing is lost. If it changes at the rows",
+                Sampled::Last =>
+                    "acts half a row before its time: it is read half a row after the sensors, or at the end of a row over \
+                     which it changes. If it is read after the sensors, its time is known and nothing is lost. If it changes \
+                     at the rows",
             },
+            if sampled == Sampled::Last { "small" } else { "large" },
             ms(half_row_s)
         ),
         Kind::HeldInput => format!(
