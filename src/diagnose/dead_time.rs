@@ -20,6 +20,9 @@ pub struct Timing {
     /// Longest time from one row to the next \[s\].
     #[serde(skip)]
     pub step_s: f64,
+    /// Whether the model leaves an error above the noise floor: another effect may cause a part of the time.
+    #[serde(skip)]
+    pub above_floor: bool,
     /// Another input between the rows that is possible too: the motion does not tell a held one from the line between the
     /// rows, and a held one that would act before it is given is none.
     #[serde(skip)]

@@ -72,8 +72,8 @@ pub fn timing(
     let late = earliest > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
-    let something_else =
-        shift.is_none() || simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
+    let above_floor = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
+    let something_else = shift.is_none() || above_floor;
     // a motion cannot begin before its input: only logging makes it early
     let latest = dead_time_s + THRESHOLDS.uncertain * std_error_s;
     let early = shift.is_some() && latest < -THRESHOLDS.logging * step;
@@ -82,7 +82,8 @@ pub fn timing(
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
     let logging_s = scale.logging;
-    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s: step, other: None })
+    let (step_s, other) = (step, None);
+    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s, above_floor, other })
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a

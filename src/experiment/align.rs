@@ -2,16 +2,17 @@
 //! time of the recorded input.
 
 use super::between_rows::{apply_course, note_unknown_course};
+use super::input_time::time_of_input;
 use super::plan::{MeasuredRecording, Plan};
 use crate::conditioning::{Action, Channel, Finding, Kind, Settings, held_over_lost_rows};
 use crate::diagnose::{
     Accounts, AsRecorded, Computed, Course, Judge, LowPass, SpeedFilter, StartAngle, THRESHOLDS,
-    Timing, Untimed, course_of_input, more_likely_logging, phases, shapes_placed, speed_filter,
-    start_angles, timing, with_later_input,
+    Timing, course_of_input, more_likely_logging, phases, shapes_placed, speed_filter,
+    start_angles, with_later_input,
 };
 use crate::effects::Cycle;
 use crate::filter::{noise_of_jumps, rest_noise};
-use crate::identify::{Task, excited_start, frictionless_start, start};
+use crate::identify::{Task, start};
 use crate::model::base::{A1, A2};
 use crate::recording::{DriveUnit, Recording, SlowNoise};
 use crate::simulate::Hold;
@@ -121,19 +122,6 @@ fn course(plan: &Plan, start: &[f64], share: f64) -> Course {
     let train = train_with_noise(plan, share);
     let recordings: Vec<&Recording> = train.iter().collect();
     course_of_input(&AsRecorded::new(&plan.model, start, &recordings, Hold::Linear))
-}
-
-/// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
-/// does not excite, is replaced by one that follows it.
-fn time_of_input(plan: &Plan, start: &[f64]) -> Result<Timing, Untimed> {
-    let train = plan.of(Role::Train);
-    let recordings: Vec<&Recording> = train.iter().collect();
-    let task = Task { model: &plan.model, train: &train, hold: plan.hold, seed: plan.seed };
-    let given = (plan.model.clone(), start.to_vec());
-    let (model, p) = frictionless_start(&task, THRESHOLDS.longest_delay_s).unwrap_or(given);
-    let excited = excited_start(&Task { model: &model, ..task });
-    let (model, p) = excited.unwrap_or((model, p));
-    timing(&model, &p, &recordings, plan.hold)
 }
 
 /// Shifts the inputs by the part of their time that logging explains; the uncertainty of this time is part of the

@@ -22,6 +22,7 @@ mod fuzzy_study;
 mod grid;
 mod guess;
 mod index;
+mod input_time;
 mod interrupt;
 mod long;
 mod loop_commands;
