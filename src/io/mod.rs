@@ -8,6 +8,7 @@ mod folder;
 mod format;
 mod in_memory;
 mod journal;
+mod json;
 mod long;
 mod mcap_table;
 mod parquet;

@@ -23,6 +23,7 @@ use serde_json::{Map, Value};
 use super::IoError;
 use super::bytes::Damage;
 use super::error::shown;
+use super::json::{fault, parsed};
 
 const DRIVETRAIN: [&str; 9] = [
     "t",
@@ -98,17 +99,25 @@ fn names(object: &Map<String, Value>) -> Vec<String> {
 
 fn object(path: &Path) -> Result<Map<String, Value>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
+    let text = String::from_utf8_lossy(&bytes);
+    // a file of another program is not called one of SysId
+    let is_named = ["sysid"].iter().chain(&TESTS).any(|key| text.contains(&format!("\"{key}\"")));
+    let format = if is_named { "SysId JSON" } else { "JSON" };
     let wrong =
-        |reason: String| IoError::Format { file: shown(path), format: "SysId JSON".into(), reason };
-    let object: Map<String, Value> = serde_json::from_slice(&bytes)
-        .map_err(|e| wrong(format!("{e}; expected the object that SysId saved")))?;
-    if !is_of_sysid(&object) && !TESTS.iter().all(|test| object.contains_key(*test)) {
-        let expected = "its object has neither a `sysid` that is true nor the four tests of frc-characterization, so \
-                        another program wrote it. Save its rows as CSV with a header, or as lists of numbers by \
-                        their names: {\"t\": [0, 0.01], \"left_volts\": [1, 2], …}";
-        return Err(wrong(expected.into()));
+        |reason: String| IoError::Format { file: shown(path), format: format.into(), reason };
+    match parsed(&text).map_err(|e| wrong(fault(&text, &e)))? {
+        Value::Object(object) if is_of_sysid(&object) || has_all_tests(&object) => Ok(object),
+        _ => Err(wrong(
+            "it has neither a `sysid` that is true nor the four tests of frc-characterization, so another program wrote \
+             it. Save its rows as CSV with a header, or as lists of numbers by their names: {\"t\": [0, 0.01], \
+             \"left_volts\": [1, 2], …}"
+                .into(),
+        )),
     }
-    Ok(object)
+}
+
+fn has_all_tests(object: &Map<String, Value>) -> bool {
+    TESTS.iter().all(|test| object.contains_key(*test))
 }
 
 fn is_of_sysid(object: &Map<String, Value>) -> bool {
@@ -153,7 +162,11 @@ fn columns(object: &Map<String, Value>) -> Result<Vec<(String, Vec<f64>)>, Damag
 
 fn test(name: &str, rows: &[Value]) -> Result<Test, Damage> {
     let row = |(k, row): (usize, &Value)| {
-        let numbers = row.as_array().and_then(|r| r.iter().map(Value::as_f64).collect());
+        // a value that is missing, but in no time
+        let number = |(k, x): (usize, &Value)| {
+            x.as_f64().or_else(|| (k > 0 && x.is_null()).then_some(f64::NAN))
+        };
+        let numbers = row.as_array().and_then(|r| r.iter().enumerate().map(number).collect());
         numbers.filter(|r: &Vec<f64>| !r.is_empty()).ok_or_else(|| {
             let found: String = row.to_string().chars().take(40).collect();
             Damage::new(format!("{name}, row {}", k + 1), "a list of numbers", found)

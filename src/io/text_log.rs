@@ -13,6 +13,7 @@ mod decode;
 mod described;
 mod header;
 mod influx;
+mod json;
 mod keyed;
 mod labelled;
 mod lines;
@@ -30,6 +31,7 @@ use std::path::Path;
 
 use self::decode::decoded;
 use self::header::{has_bare_subscripts, names};
+pub(super) use self::json::json;
 use self::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use self::stamp::CLOCK;
 use super::IoError;
@@ -161,21 +163,6 @@ fn found(path: &Path) -> Result<Option<Found>, IoError> {
     }
     let (text, _) = decoded(&bytes(u64::MAX)?);
     table.found(path, &text).map(Some)
-}
-
-/// The columns of a JSON file that holds columns or records, or one record in every line; `None` for any other,
-/// whose reader says what is wrong with it.
-///
-/// # Errors
-/// A file that cannot be read.
-pub(super) fn json(path: &Path) -> Result<Option<Columns>, IoError> {
-    let bytes = std::fs::read(path).map_err(|e| IoError::system(path, &e))?;
-    if let Ok(value) = serde_json::from_slice(&bytes) {
-        return Ok(record::of_json(&value));
-    }
-    let (text, _) = decoded(&bytes);
-    let lines: Vec<&str> = text.lines().collect();
-    Ok(record::is_one(&lines).then(|| keyed::columns(text.lines())))
 }
 
 /// The encoding of a text that is not UTF-8, by the beginning of the file. `None` for UTF-8, and for a file that cannot

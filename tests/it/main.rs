@@ -21,6 +21,7 @@ mod index;
 mod kept;
 mod language;
 mod layering;
+mod log_headers;
 mod log_styles;
 mod log_styles_rows;
 mod long;

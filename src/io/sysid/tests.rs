@@ -62,7 +62,26 @@ fn other_objects_are_refused_with_what_is_missing() {
     let e = refused("x.json", b"{\"sysid\": true, \"a\": [[1, 2, 3, 4], [1, 2, 3]]}");
     assert!(e.contains("expected 4 numbers in every row, found 3"), "{e}");
     let e = refused("x.json", b"[1, 2]");
-    assert!(e.contains("x.json cannot be read as SysId JSON") && e.contains("line 1"), "{e}");
+    assert!(e.contains("x.json cannot be read as JSON: it has neither a `sysid`"), "{e}");
+}
+
+#[test]
+fn a_file_that_is_cut_off_is_one_of_sysid_by_its_keys() {
+    let e = refused("x.json", b"{\"sysid\": true, \"slow-forward\": [[1, 2");
+    assert!(e.contains("cannot be read as SysId JSON: it ends within a list"), "{e}");
+    let e = refused("x.json", b"{\"t\": [1, 2");
+    assert!(e.contains("cannot be read as JSON: it ends within a list"), "{e}");
+}
+
+#[test]
+fn a_value_that_is_no_number_is_missing_in_its_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.json");
+    std::fs::write(&path, r#"{"sysid": true, "a": [[1, NaN, 3, 4], [2, 2, 3, 4]]}"#).unwrap();
+    let found = read(&path, None).unwrap();
+    assert!(found[1].1[0].is_nan() && found[1].1[1] == 2.0);
+    let e = refused("x.json", b"{\"sysid\": true, \"a\": [[NaN, 2, 3, 4]]}");
+    assert!(e.contains("a, row 1: expected a list of numbers"), "{e}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::lines::Columns;
 use super::record::{Pairs, assigned_texts, collected, joined, pairs};
 use crate::io::csv::{Style, is_owner, is_part};
+use crate::io::json::parsed;
 
 /// Number of records from which this is detected.
 const LOOKED_AT: usize = 64;
@@ -54,7 +55,7 @@ fn words(line: &str) -> Vec<(String, String)> {
         let is_number = text.parse::<i64>().is_ok();
         is_number && is_owner(name) || !is_number && super::value(text, Style::Point).is_none()
     };
-    let found: Vec<(String, String)> = match serde_json::from_str(line.trim()) {
+    let found: Vec<(String, String)> = match parsed(line.trim()) {
         Ok(Value::Object(map)) => {
             let text = |value: &Value| match value {
                 Value::String(text) => Some(text.clone()),

@@ -9,6 +9,7 @@ use super::lines::{Columns, made_up};
 use super::stamp;
 use super::stamp::CLOCK;
 use crate::io::csv::{Style, quantity, value, with_unit};
+use crate::io::json::parsed;
 
 /// Largest number of labels of a line among which repeated ones are distinguished.
 const REPEATED: usize = 256;
@@ -145,7 +146,7 @@ pub(super) fn pairs(line: &str) -> Pairs {
     let line = line.trim();
     if line.starts_with('{') {
         let mut out = vec![];
-        if let Ok(object @ Value::Object(_)) = serde_json::from_str(line) {
+        if let Ok(object @ Value::Object(_)) = parsed(line) {
             flatten("", &object, &mut out);
             return out;
         }
