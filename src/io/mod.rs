@@ -16,6 +16,7 @@ mod preview;
 mod protobuf;
 mod rate;
 mod recording;
+mod second_header;
 mod signals;
 mod summary;
 mod sysid;

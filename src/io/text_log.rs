@@ -38,6 +38,7 @@ use super::IoError;
 use super::csv::{Evidence, Style, may_be_keyed, quantity, unfolded, value};
 use super::error::shown;
 use super::format::Format;
+use super::second_header;
 use super::uneven::{Cells, Row};
 
 /// Number of bytes within which the table, with everything above it, must begin.
@@ -186,8 +187,13 @@ impl Table {
     /// The columns of a text with this table, without the rows that are damaged.
     ///
     /// # Errors
-    /// Too many rows with more cells than the others.
+    /// Too many rows with more cells than the others, and a second header with another order of the columns.
     fn found(&self, path: &Path, text: &str) -> Result<Found, IoError> {
+        for row in self.rows(text) {
+            let row = Row { text: self.bare(row.text), ..row };
+            let cells = || cells(row.text, self.separator).into_iter().skip(self.before).collect();
+            second_header::check(path, &self.names, &row, cells)?;
+        }
         let cells = self.counted(text);
         cells.check(path)?;
         Ok(Found { columns: self.columns(text, &cells), cells })

@@ -1,6 +1,30 @@
 //! Headers of several lines, units in them, a second header within the rows, and JSON with what is no number.
 
-use crate::support::{Folder, motion};
+use crate::support::{Folder, Row, motion};
+
+#[test]
+fn a_second_header_with_another_order_of_the_columns_is_refused() {
+    let rows = motion();
+    let left = |[t, w1, w2, m1, m2]: &Row| format!("{t:.3},{w2},{w1},{m2},{m1}\n");
+    let right = |[t, w1, w2, m1, m2]: &Row| format!("{t:.3},{w1},{w2},{m1},{m2}\n");
+    let of = |head: &str, line: &dyn Fn(&Row) -> String, rows: &[Row]| {
+        format!("{head}\n{}", rows.iter().map(line).collect::<String>())
+    };
+    let (l, r) = ("t,w_l,w_r,torque_l,torque_r", "t,w_r,w_l,torque_r,torque_l");
+    let first = of(l, &left, &rows[..300]);
+    let folder = Folder::new();
+    let words =
+        ["run.csv", "row 301 (line 302) is a second header", l, r, "to a file of their own"];
+    folder.write("run.csv", format!("{first}{}", of(r, &right, &rows[300..])));
+    folder.run(&["new", "run.csv"]).says(2, &words);
+    // below other lines, as no plain table
+    folder.write("log.txt", format!("run 7\n{first}{}", of(r, &right, &rows[300..])));
+    folder.run(&["new", "log.txt"]).says(2, &["log.txt", "is a second header", l, r]);
+    // the same header again is a row without values
+    folder.write("run.csv", format!("{first}{}", of(l, &left, &rows[300..])));
+    folder.run(&["new", "run.csv"]).says(0, &["dalpha1  = w_r"]);
+    folder.run(&["check", "run.toml"]).says(0, &["600 samples"]);
+}
 
 #[test]
 fn what_is_no_number_in_json_is_missing() {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Layout, rows, split};
 use crate::io::IoError;
+use crate::io::second_header;
 use crate::io::uneven::{Cells, Row};
 
 /// Number of rows that are compared: of longer files, which are read block by block, the first ones.
@@ -12,7 +13,7 @@ const MOST_ROWS: usize = 1_000_000;
 /// The cells of every row. Rows whose lines are parted by a line break in quotes are not compared.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A file that cannot be read, and a second header with another order of the columns.
 pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoError> {
     let separator = char::from(layout.separator);
     let none = || Cells::new(layout.names.len(), true);
@@ -21,6 +22,8 @@ pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoE
     let mut out = none();
     for (number, line, bytes) in rows(path)?.take(MOST_ROWS) {
         let text = String::from_utf8_lossy(&bytes);
+        let row = Row { number, line, text: &text };
+        second_header::check(path, &layout.names, &row, || split(&text, separator))?;
         if text.matches('"').count() % 2 == 1 {
             return Ok(none());
         }
@@ -33,7 +36,7 @@ pub(in crate::io) fn cells_of(path: &Path, layout: &Layout) -> Result<Cells, IoE
         // a blank line
         if used > 0 || text.contains('"') {
             let cells = if cells >= named { layout.names.len() } else { cells };
-            out.see(&Row { number, line, text: &text }, cells, used);
+            out.see(&row, cells, used);
         }
     }
     Ok(out)
