@@ -84,7 +84,7 @@ pub(super) fn layout(path: &Path) -> Result<Layout, IoError> {
 }
 
 /// Number of lines below the names in which units are searched; types and the like may come first.
-const BELOW: usize = 4;
+const BELOW: usize = 6;
 
 /// Reads the header: the first line that is neither blank nor a comment.
 fn head(path: &Path) -> Result<Layout, IoError> {

@@ -6,6 +6,7 @@
 //! names are in the line above, possibly followed by a line of units or preceded by a comment sign (as `savetxt` of
 //! numpy writes them); without names they are `column1`, `column2`, ….
 
+mod attributes;
 mod blocks;
 mod can;
 mod dataflash;

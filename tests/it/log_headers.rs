@@ -1,6 +1,47 @@
 //! Headers of several lines, units in them, a second header within the rows, and JSON with what is no number.
 
+use crate::log_styles::{asked, lines, started};
 use crate::support::{Folder, Row, motion};
+
+#[test]
+fn the_names_above_lines_of_types_and_blocks_remain() {
+    // the Simulation Data Inspector of Simulink: the time is repeated for each block
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w2},{w1},{t:.3},{m2},{m1}\n"));
+    let all = |cell: &str| vec![cell; 6].join(",");
+    let head = format!(
+        "time,wL:1,wR:1,time,uL:1,uR:1\n{}\nUnits: s,Units: rad/s,Units: rad/s,Units: s,Units: N*m,Units: N*m\n{}\n{}\n",
+        all("Type: double"),
+        all("BlockPath: m/Plant"),
+        all("Interp: linear")
+    );
+    let words = ["dalpha1  = wR:1 [rad/s]", "dalpha2  = wL:1 [rad/s]", "M1       = uR:1 [N*m]"];
+    started("sdi.csv", &format!("{head}{rows}"), &words);
+}
+
+#[test]
+fn the_line_of_units_of_a_scope_counts_although_one_is_not_known() {
+    let rows = lines(|[t, w1, w2, m1, m2]| {
+        let ms = (1e3 * t).round();
+        format!("{ms}\t{w2}\t{ms}\t{w1}\t{ms}\t{:.0}\t{ms}\t{:.0}\n", 1e3 * m2, 1e3 * m1)
+    });
+    let line = |word: &str, cells: [&str; 4]| {
+        cells.map(|cell| format!("{word}\t{cell}")).join("\t") + "\n"
+    };
+    let head = [
+        "Name\tScope\nFile\trun.svdx\n\n".to_owned(),
+        line("Name", ["Left.ActVelo", "Right.ActVelo", "Left.Torque", "Right.Torque"]),
+        line("Data-Type", ["REAL64", "REAL64", "INT16", "INT16"]),
+        line("Unit", ["deg/s", "deg/s", "0.1%", "0.1%"]),
+    ];
+    let words = [
+        "t        = Time in ms",
+        "dalpha1  = Right.ActVelo [deg/s]",
+        "`Right.Torque [0.1%]` is in `0.1%`, which is not a known unit for it",
+    ];
+    let scale = "recordings.columns.M1.scale=0.001";
+    let answers = [scale, "recordings.columns.M2.scale=0.001"];
+    asked("scope.txt", &format!("{}\n{rows}", head.concat()), &words, &answers);
+}
 
 #[test]
 fn a_second_header_with_another_order_of_the_columns_is_refused() {

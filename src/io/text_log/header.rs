@@ -1,5 +1,8 @@
 //! Names above a table: in one line or two, in comments, above a line of units; and statements of a header on the time.
 
+use super::attributes::{
+    alternating_units, are_of_one_key, is_attribute, known_units, times_named,
+};
 use super::described::described;
 use super::lines::{Columns, SEPARATORS, cells, is_blank, is_comment, made_up};
 use crate::io::csv::{ABSENT, Style, is_units, value, with_unit};
@@ -47,7 +50,8 @@ pub(super) fn names(
             lines.map(|line| named_cells(line, separator)).filter(|cells| cells.len() == count)
         };
         // names that come again are those of groups above the names
-        let is_group = is_repeated(&cells) && below().any(|c| no_number(&c) && !is_units(&c));
+        let is_group_of = |c: &Vec<String>| no_number(c) && !is_units(c) && !are_of_one_key(c);
+        let is_group = is_repeated(&cells) && below().any(|c| is_group_of(&c));
         if no_number(&cells) && cells.iter().all(|c| !c.is_empty()) && !is_group {
             let units = below().find(|cells| is_units(cells)).unwrap_or_default();
             let units = units.iter().map(String::as_str).chain(std::iter::repeat(""));
@@ -120,13 +124,14 @@ impl Above<'_> {
             let is_remark = is_comment(self.lines[k]) || line.len() < self.lines[k].len();
             let ways: &[char] = if is_remark { &SEPARATORS } else { &[self.separator] };
             let all = || ways.iter().map(|s| cells_of(line, *s));
+            let held = || all().filter(|c| c.len() == self.count);
             if units.is_none()
-                && let Some(cells) = all().find(|c| {
-                    c.len() == self.count
-                        && (is_units(c) || passes_over && no_number(c) && are_units(c))
+                && let Some(found) = held().find_map(|c| {
+                    let alternate = || alternating_units(&c).filter(|_| passes_over);
+                    if is_units(&c) { Some(known_units(&c)) } else { alternate() }
                 })
             {
-                units = Some(cells);
+                units = Some(found);
                 continue;
             }
             if passes_over && all().any(|c| c.len() == self.count && is_attribute(&c)) {
@@ -137,7 +142,7 @@ impl Above<'_> {
                 return None;
             }
             if let Some(cells) = all().find(|c| no_number(c)) {
-                return Some((Some(k), self.completed(k, &cells, units)));
+                return Some((Some(k), self.completed(k, &times_named(&cells), units)));
             }
         }
         None
@@ -147,11 +152,13 @@ impl Above<'_> {
     /// the line above them.
     fn completed(&self, k: usize, cells: &[String], units: Option<Vec<String>>) -> Vec<String> {
         let above = || self.lines[..k].iter().rev().map(|line| self::cells(line, self.separator));
-        let preamble = || above().find(|c| c.len() == self.count && is_units(c));
-        let labelled = || above().find_map(|row| labelled(&row, cells));
+        let preamble = || {
+            let line = above().find(|c| c.len() == self.count && is_units(c))?;
+            Some(known_units(&line))
+        };
+        let labelled = || above().find_map(|row| labelled(&row, cells)).map(|c| known_units(&c));
         let units = units.or_else(labelled).or_else(preamble).unwrap_or_default();
-        let is_one = |cell: &&String| is_units(std::slice::from_ref(*cell));
-        let unit = |k: usize| units.get(k).filter(is_one).map_or("", String::as_str);
+        let unit = |k: usize| units.get(k).map_or("", String::as_str);
         let name = |(k, cell): (usize, &String)| {
             if cell.is_empty() { made_up(k) } else { with_unit(cell, unit(k)) }
         };
@@ -167,29 +174,6 @@ impl Above<'_> {
 fn within_bracket(line: &str) -> &str {
     let behind = line.split_once("= [").map(|(_, rest)| rest.trim_start());
     behind.filter(|rest| rest.starts_with('%')).unwrap_or(line)
-}
-
-/// Whether cells alternate between one word and units: `Unit,deg/s,Unit,Nm`.
-fn are_units(cells: &[String]) -> bool {
-    let (mut labels, mut units) = (cells.iter().step_by(2), cells.iter().skip(1).step_by(2));
-    let is_unit = |cell: &String| is_units(std::slice::from_ref(cell));
-    cells.len() > 3
-        && cells.first().is_some_and(|first| !is_unit(first) && labels.all(|c| c == first))
-        && units.all(|cell| cell.is_empty() || is_unit(cell))
-        && cells.iter().any(is_unit)
-}
-
-/// Whether cells are an attribute of the columns and no names: every second cell is the same word and the others repeat
-/// themselves, or are numbers or empty; or half of the cells are empty.
-fn is_attribute(cells: &[String]) -> bool {
-    let filled = cells.iter().filter(|c| !c.is_empty()).count();
-    let (mut labels, values) = (cells.iter().step_by(2), cells.iter().skip(1).step_by(2));
-    let is_same = cells.len() > 3 && labels.all(|c| *c == cells[0]) && !cells[0].is_empty();
-    let values: Vec<&String> = values.collect();
-    let distinct = values.iter().collect::<std::collections::BTreeSet<_>>().len();
-    let are_numbers = values.iter().all(|c| c.is_empty() || value(c, Style::Either).is_some());
-    cells.len() > 2 && 2 * filled <= cells.len()
-        || is_same && (distinct < values.len() || are_numbers)
 }
 
 /// The names of a header with more columns than the rows below it; the last columns are empty.
@@ -331,7 +315,11 @@ mod tests {
         ];
         let (at, found) = names(&twincat, 8, '\t', 4);
         assert_eq!(at, Some(2));
-        assert_eq!(found, ["Name", "AxisL.Velo [deg/s]", "Name", "AxisR.Velo [deg/s]"]);
+        assert_eq!(found, ["Time", "AxisL.Velo [deg/s]", "Time", "AxisR.Velo [deg/s]"]);
+        // an unknown unit remains that of its column
+        let percent = twincat.map(|line| line.replacen("deg/s", "0.1%", 1));
+        let found = names(&percent.each_ref().map(String::as_str), 8, '\t', 4).1;
+        assert_eq!(found, ["Time", "AxisL.Velo [0.1%]", "Time", "AxisR.Velo [deg/s]"]);
         let dspace =
             ["meta,run 3,", "name,Time,w_l,w_r", "unit,s,rad/s,rad/s", "values,,,", ",0,1,2"];
         let found = names(&dspace, 4, ',', 4).1;
@@ -339,6 +327,22 @@ mod tests {
         // names that come again, with those of the sides above them
         let two = [",left,,right", "t,speed,t,speed", "0,1,0,2"];
         assert_eq!(names(&two, 2, ',', 4).1, ["t", "left speed", "left t", "right speed"]);
+    }
+
+    #[test]
+    fn lines_below_the_names_whose_cells_begin_with_one_key_are_no_names() {
+        // the Simulation Data Inspector of Simulink, with the time of each block
+        let lines = [
+            "time,wL:1,time,uL:1",
+            "Type: double,Type: double,Type: double,Type: double",
+            "Units: s,Units: rad/s,Units: s,Units: V",
+            "BlockPath: m/Plant,BlockPath: m/Plant,BlockPath: m/C,BlockPath: m/C",
+            "Interp: linear,Interp: linear,Interp: zoh,Interp: zoh",
+            "0,1,0,2",
+        ];
+        let (at, found) = names(&lines, 5, ',', 4);
+        assert_eq!(at, Some(0));
+        assert_eq!(found, ["time [s]", "wL:1 [rad/s]", "time [s]", "uL:1 [V]"]);
     }
 
     #[test]
