@@ -350,7 +350,7 @@ pub(super) fn is_unit(text: &str) -> bool {
     static ALL: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
         contract_units().iter().flat_map(|(_, units)| units.iter().map(|u| plain(u))).collect()
     });
-    ALL.contains(&plain(text))
+    ALL.contains(&plain(synonym(text)))
 }
 
 #[cfg(test)]

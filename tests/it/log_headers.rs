@@ -44,6 +44,29 @@ fn the_line_of_units_of_a_scope_counts_although_one_is_not_known() {
 }
 
 #[test]
+fn units_in_words_and_in_quotes_are_those_of_their_columns() {
+    let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w2},{w1},{m2},{m1}\n"));
+    let of = |names: &str| format!("{names}\n{rows}");
+    let tdms = "/'Log'/'Time (s)',/'Log'/'Speed Left (deg/s)',/'Log'/'Speed Right (deg/s)',/'Log'/'T Left (Nm)',/'Log'/'T Right (Nm)'";
+    started("tdms.csv", &of(tdms), &["dalpha1  = /'Log'/'Speed Right (deg/s)' in deg/s"]);
+    let folder = Folder::new();
+    folder.write("run.csv", of("t (sec),wl (rotations per second),wr (rps),ml (Nm),mr (Nm)"));
+    folder.write("e.toml", with_speeds_of(""));
+    folder.run(&["check", "e.toml"]).says(0, &["600 samples"]);
+    folder.write("run.csv", of("t,wl,wr,ml,mr"));
+    folder.write("e.toml", with_speeds_of(", unit = \"rotations/s\""));
+    folder.run(&["check", "e.toml"]).says(0, &["600 samples"]);
+}
+
+/// An experiment whose speeds have this key too.
+fn with_speeds_of(key: &str) -> String {
+    format!(
+        "[recordings]\ntrain = [\"run.csv\"]\n[recordings.columns]\nt = \"t\"\ndalpha1 = {{ name = \"wr\"{key} }}\n\
+         dalpha2 = {{ name = \"wl\"{key} }}\nM1 = \"mr\"\nM2 = \"ml\"\n\n[[method]]\nname = \"prediction_error\"\n"
+    )
+}
+
+#[test]
 fn a_second_header_with_another_order_of_the_columns_is_refused() {
     let rows = motion();
     let left = |[t, w1, w2, m1, m2]: &Row| format!("{t:.3},{w2},{w1},{m2},{m1}\n");

@@ -15,9 +15,14 @@ pub(super) fn bare(name: &str) -> &str {
     }
 }
 
-/// A name and the number behind its unit: Simulink writes that of the port of the block, `Speed (rad/s):1`.
+/// A name and the number behind its unit: Simulink writes that of the port of the block, `Speed (rad/s):1`. The quote that
+/// npTDMS writes behind the unit, `/'Motors'/'Speed (rad/s)'`, is left out too.
 #[must_use]
 pub fn without_port(name: &str) -> (&str, Option<&str>) {
+    let unquoted = name.trim_end().strip_suffix('\'');
+    if let Some(front) = unquoted.filter(|front| front.ends_with([']', ')'])) {
+        return (front, None);
+    }
     let is_number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
     match name.trim_end().rsplit_once(':') {
         Some((front, port)) if front.ends_with([']', ')']) && is_number(port) => {
@@ -105,6 +110,8 @@ mod tests {
             (("Data:1", None), ("a[0]", Some("2")))
         );
         assert_eq!((bracketed("omega 1 (rechts)"), bracketed("speed [R]")), (None, None));
+        let quoted = "/'Motors'/'Speed (rad/s)'";
+        assert_eq!((bare(quoted), bracketed(quoted)), ("/'Motors'/'Speed", Some("rad/s")));
         let unknown =
             |key: &str, name: &'static str| unknown_unit(&ColumnMap::default(), key, name);
         assert_eq!(unknown("M1", "torque [0.1%]"), Some("0.1%"));
