@@ -173,6 +173,8 @@ fn a_misspelt_command_is_named_and_run_may_be_written_out() {
     folder.write("run.csv", csv(&motion())).write("e.toml", on("run.csv"));
     folder.run(&["chek", "e.toml"]).says(2, &["did you mean `experiment check`?"]);
     folder.run(&["run", "e.toml"]).says(0, &["e: "]);
+    let line = "write `experiment check --jobs 1 e.toml`";
+    folder.run(&["--jobs", "1", "check", "e.toml"]).says(2, &[line]);
 }
 
 #[test]

@@ -227,11 +227,24 @@ fn misspelt(files: &[PathBuf]) -> Option<String> {
     let word = first.to_str()?;
     let commands: Vec<String> =
         Cli::command().get_subcommands().map(|c| c.get_name().to_string()).collect();
+    if commands.iter().any(|command| command == word) {
+        return Some(command_behind_options(word));
+    }
     let near = nearest(word, commands.iter().map(String::as_str));
     let hint = near.map_or(String::new(), |n| format!("; did you mean `experiment {n}`?"));
     Some(format!(
         "`{word}` is neither a command nor a file{hint} (`experiment --help` lists the commands)"
     ))
+}
+
+/// The error for options before a command, with the same arguments in their order.
+fn command_behind_options(command: &str) -> String {
+    let mut others: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(place) = others.iter().position(|argument| argument == command) {
+        others.remove(place);
+    }
+    let line = others.join(" ");
+    format!("options follow their command: write `experiment {command} {line}`")
 }
 
 /// Prints warnings on the files and their recordings.
