@@ -114,3 +114,19 @@ fn what_is_no_number_in_json_is_missing() {
     refused.says(2, &["cut.json cannot be read as JSON: it ends within a list or an object"]);
     assert!(!refused.err.contains("SysId"), "{}", refused.err);
 }
+
+#[test]
+fn the_motors_in_the_middle_of_six_wheels_are_added_too() {
+    let rows = lines(|[t, w1, w2, m1, m2]| {
+        let [right, left] = [m1, m2].map(|m| m / 3.0);
+        format!(
+            "{t:.3},{w2},{w2},{w2},{w1},{w1},{w1},{left},{left},{left},{right},{right},{right}\n"
+        )
+    });
+    let of = |what: &str| {
+        ["FL", "ML", "RL", "FR", "MR", "RR"].map(|place| format!("{place}_{what}")).join(",")
+    };
+    let log = format!("t_s,{},{}\n{rows}", of("speed_rad_s"), of("torque_Nm"));
+    let sum = "FR_torque_Nm + MR_torque_Nm + RR_torque_Nm";
+    started("six.csv", &log, &[sum]);
+}

@@ -140,7 +140,11 @@ fn the_factor_of_a_command_is_open_unless_its_full_scale_is_shown() {
     };
     let of_battery = "which value is the full voltage of `battery_mV` (12.0 to 12.0 V)";
     ask(&log("pwm", &part, ",battery_mV"), of_battery, "2.5e-6");
-    ask(&log("pwm", &limited, ""), "with scale = 1.0 one volt", "0.047");
+    ask(
+        &log("pwm", &limited, ""),
+        "with scale = 3.922e-3 one volt of the results is the full command",
+        "0.047",
+    );
     // a controller limits its output to the end of the scale
     let shown = log("pwm", &limited, ",battery_mV");
     started("run.csv", &shown, &["is 255 the full voltage of `battery_mV`"]);

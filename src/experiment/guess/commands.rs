@@ -195,6 +195,11 @@ impl Range {
     /// The question for the scale of a share of a battery voltage that is not recorded.
     fn question_of_scale(&self, name: &str) -> String {
         let volts = 12.0 / self.full;
+        // more than any battery has would be taken for millivolts
+        let (unit, what) = match self.full > BATTERIES.1 {
+            true => (format!("{:.3e}", 1.0 / self.full), "the full command"),
+            false => ("1.0".into(), "one unit of the command"),
+        };
         let (reaches, offset) = match self.rest {
             // what is added stands behind the factor
             Some(rest) => (String::new(), format!(", offset = {}", -rest * 12.0 / self.full)),
@@ -202,7 +207,7 @@ impl Range {
         };
         format!(
             "`{name}` is a share of the battery voltage{reaches}: with {} for the full 12 V write \
-             scale = {volts:.5}{offset} in M1 and M2; with scale = 1.0 one volt of the results is one unit of the command",
+             scale = {volts:.5}{offset} in M1 and M2; with scale = {unit} one volt of the results is {what}",
             self.full
         )
     }

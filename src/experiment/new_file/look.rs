@@ -260,7 +260,9 @@ fn has_columns_of(first: &Path, path: &Path, guess: &Guess) -> Result<(), Experi
         file: path.display().to_string(),
         message: format!(
             "there is no column `{missing}`, which {first} has; its columns are {names}. All recordings of an \
-             experiment have the same columns: write an experiment of its own for it, or rename its columns"
+             experiment have the same columns. If the files hold different signals of one run, as those of one topic \
+             each, join them by time into one table and give that one (pandas: merge_asof on their times); if they hold \
+             the same signals under other names, rename the columns"
         ),
     })
 }

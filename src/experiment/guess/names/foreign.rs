@@ -58,8 +58,10 @@ const OTHERS: [&str; 50] = [
 ];
 
 /// Whether words are those of such a quantity. `ir` with a side of its own is an infrared sensor; alone it is the
-/// current of the right motor.
+/// current of the right motor. A power in watts is that of a motor, but no command of it.
 pub(super) fn is_foreign(words: &[String]) -> bool {
     let has_side = || words.iter().any(|w| side(w).is_some());
-    words.iter().any(|w| OTHERS.contains(&w.as_str()) || w == "ir" && has_side())
+    let is_watts = |w: &[String]| w[0] == "power" && ["w", "mw", "kw"].contains(&w[1].as_str());
+    words.windows(2).any(is_watts)
+        || words.iter().any(|w| OTHERS.contains(&w.as_str()) || w == "ir" && has_side())
 }

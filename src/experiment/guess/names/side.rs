@@ -33,9 +33,12 @@ fn take_word(words: &mut Vec<String>) -> Option<WheelSide> {
     side(&words.remove(found))
 }
 
-/// A corner of a car: `RL`, `FR`; with the side first: `LF`, `RB`.
+/// A corner of a car: `RL`, `FR`; with the side first: `LF`, `RB`. Beside a word for the quantity `ML` is the wheel in the
+/// middle of three on the left; alone, `m` is a torque.
 fn take_corner(words: &mut [String]) -> Option<WheelSide> {
+    let has_quantity = words.iter().any(|word| is_quantity(word));
     let corner = |w: &String| match w.as_str() {
+        "ml" | "mr" if has_quantity => Some(("mid", w[1..].to_owned())),
         "fl" | "fr" => Some(("front", w[1..].to_owned())),
         "rl" | "rr" => Some(("rear", w[1..].to_owned())),
         "lf" | "rf" => Some(("front", w[..1].to_owned())),
