@@ -7,7 +7,7 @@ use crate::support::{Folder, Row, motion};
 fn the_names_above_lines_of_types_and_blocks_remain() {
     // the Simulation Data Inspector of Simulink: the time is repeated for each block
     let rows = lines(|[t, w1, w2, m1, m2]| format!("{t:.3},{w2},{w1},{t:.3},{m2},{m1}\n"));
-    let all = |cell: &str| vec![cell; 6].join(",");
+    let all = |cell: &str| [cell; 6].join(",");
     let head = format!(
         "time,wL:1,wR:1,time,uL:1,uR:1\n{}\nUnits: s,Units: rad/s,Units: rad/s,Units: s,Units: N*m,Units: N*m\n{}\n{}\n",
         all("Type: double"),
