@@ -1,14 +1,17 @@
 //! The time of the input of an experiment, before its models are fitted.
 
+use std::iter;
+
 use super::plan::Plan;
 use crate::diagnose::{THRESHOLDS, Timing, Untimed, timing};
+use crate::effects;
 use crate::identify::{Task, excited_start, frictionless_start};
 use crate::recording::{DriveUnit, Recording};
 use crate::study::Role;
 
 /// The time of the input by the motion of the training recordings. A model without friction, or one that the motion
 /// does not excite, is replaced by one that follows it. If a torque or current leaves an error above the noise floor, and
-/// none with viscous friction, the time is that by the latter: every drive has some, and without it a motion that slows
+/// none with the friction that most robots have, the viscous one, the time is that by the latter: without it a motion that slows
 /// down early looks like an early input. Beside a voltage it is part of the back-EMF.
 pub(super) fn time_of_input(plan: &Plan, start: &[f64]) -> Result<Timing, Untimed> {
     let train = plan.of(Role::Train);
@@ -26,8 +29,10 @@ pub(super) fn time_of_input(plan: &Plan, start: &[f64]) -> Result<Timing, Untime
     if !is_open || plan.drive_unit() == DriveUnit::Volt {
         return given;
     }
-    let Ok(viscous) = model.add("viscous_friction") else { return given };
-    let start: Vec<f64> = p.into_iter().chain([0.0]).collect();
+    let viscous = effects::most_common().and_then(|id| model.add(&id).ok());
+    let Some(viscous) = viscous else { return given };
+    let start: Vec<f64> =
+        p.into_iter().chain(iter::repeat(0.0)).take(viscous.parameters().len()).collect();
     let complete = timing(&viscous, &start, &recordings, plan.hold);
     if complete.is_ok_and(|timing| !timing.above_floor) { complete } else { given }
 }

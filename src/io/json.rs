@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_is_no_json_is_told_from_one_that_is_cut_off() {
+    fn a_text_that_is_no_json_differs_from_one_that_is_cut_off() {
         let of = |text: &str| fault(text, &parsed(text).unwrap_err());
         assert!(of(r#"{"t": [0, NaN, 1"#).contains("ends within a list or an object (line 1)"));
         assert!(of("<html></html>").contains("it begins with `<html></html>`"));

@@ -179,6 +179,7 @@ const STAGES: [(&str, &[&str]); 9] = [
             "together",
             "measured",
             "between_rows",
+            "input_time",
             "align",
             "assemble",
             "resolve",
