@@ -58,8 +58,9 @@ pub fn timing(
     let starts: Vec<f64> = balanced_start.into_iter().chain([0.0]).collect();
     let simulated = in_simulation(model, p, &starts, (recordings, hold), &scale);
     let shift = simulated.and_then(|s| s.shift);
+    let above_floor = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     // a model above the floor whose simulation fits no time lacks what the balance takes for one
-    if shift.is_none() && simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor) {
+    if shift.is_none() && above_floor {
         return Err(Untimed::AboveFloor);
     }
     let balanced = || balanced.map(|balanced| of_input(balanced, step, hold));
@@ -72,7 +73,6 @@ pub fn timing(
     let late = earliest > scale.logging;
     let nothing = dead_time_s.abs() < THRESHOLDS.uncertain * std_error_s;
     // above the floor another effect is missing, which the shift may compensate; without a simulation this is not known
-    let above_floor = simulated.is_some_and(|s| s.error > THRESHOLDS.above_floor);
     let something_else = shift.is_none() || above_floor;
     // a motion cannot begin before its input: only logging makes it early
     let latest = dead_time_s + THRESHOLDS.uncertain * std_error_s;
@@ -81,9 +81,15 @@ pub fn timing(
     let correction_s =
         if kept { 0.0 } else { dead_time_s.clamp(THRESHOLDS.earliest * step, scale.logging) };
     let std_error_s = std_error_s.hypot(INTERPOLATION * step);
-    let logging_s = scale.logging;
-    let (step_s, other) = (step, None);
-    Ok(Timing { dead_time_s, std_error_s, correction_s, logging_s, step_s, above_floor, other })
+    Ok(Timing {
+        dead_time_s,
+        std_error_s,
+        correction_s,
+        logging_s: scale.logging,
+        step_s: step,
+        above_floor,
+        other: None,
+    })
 }
 
 /// The time of an input that was on the line between the rows in the balance. Its sign of friction is that of a

@@ -55,9 +55,8 @@ pub(super) fn apply_course(
 /// corrected, does not show it.
 pub(super) fn note_unknown_course(plan: &mut Plan) {
     let timing = plan.timing.ok().filter(|timing| timing.correction_s != 0.0);
-    let steps: Vec<f64> = plan.recordings.iter().map(|m| m.recording.step()).collect();
-    let found: Vec<_> =
-        steps.into_iter().map(|step| one_sample_a_row(plan, timing, step)).collect();
+    let found_in = |m: &MeasuredRecording| one_sample_a_row(plan, timing, m.recording.step());
+    let found: Vec<_> = plan.recordings.iter().map(found_in).collect();
     for (m, found) in plan.recordings.iter_mut().zip(found) {
         m.conditioning.extend(found.into_iter().flatten());
     }

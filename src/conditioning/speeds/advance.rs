@@ -1,6 +1,7 @@
 //! Speeds that are read later by their lag.
 
 use super::super::Conditioned;
+use super::super::cells::keep;
 use super::super::signal::{median_step, pieces};
 use crate::math::Line;
 
@@ -28,8 +29,9 @@ pub(super) fn advance(work: &mut Conditioned, lags: [f64; 2], full_rate: bool) {
         }
     }
     work.channels.omega = Some(out);
+    // the ends of pieces have no speed of their time
     if rows != [0; 2] {
-        keep(work, &there);
+        keep(&mut work.channels, &there);
     }
 }
 
@@ -41,23 +43,4 @@ const AROUND: usize = 3;
 fn slope(t: &[f64], omega: &[[f64; 2]], rows: std::ops::Range<usize>, i: usize) -> f64 {
     let slope = Line::through(rows.map(|k| (t[k], omega[k][i]))).slope;
     if slope.is_finite() { slope } else { 0.0 }
-}
-
-/// Drops the rows at the ends of pieces that have no speed of their time.
-fn keep(work: &mut Conditioned, there: &[bool]) {
-    let c = &mut work.channels;
-    let pick = |rows: &mut Vec<[f64; 2]>| {
-        let mut k = 0;
-        rows.retain(|_| {
-            k += 1;
-            there[k - 1]
-        });
-    };
-    let mut k = 0;
-    c.t.retain(|_| {
-        k += 1;
-        there[k - 1]
-    });
-    pick(&mut c.torque);
-    [c.alpha.as_mut(), c.omega.as_mut()].into_iter().flatten().for_each(pick);
 }

@@ -10,6 +10,8 @@
 //! The second equation is that of the filter, L Omega' + Omega = alpha'. Source of z: Vuong, Econometrica 57 (1989), two models
 //! of which neither contains the other.
 
+use std::iter;
+
 use nalgebra::Vector2;
 
 use super::super::thresholds::SPEEDS;
@@ -29,23 +31,24 @@ pub(super) fn time(s: &Samples, start: f64) -> Option<Lag> {
         (way[*b] - way[*a] - angle, Vector2::new(change, angle))
     };
     let rows: Vec<(f64, Vector2<f64>)> = windows(s).iter().map(row).collect();
-    // the time, and the relative error of the gain
-    let mut values = Vector2::new(-start, 0.0);
-    let mut found = None;
-    for _ in 0..ROUNDS {
+    let fitted_to_near = |values: Vector2<f64>| {
         let error = |(e, x): &(f64, Vector2<f64>)| e - x.dot(&values);
         let limit = SPEEDS.jumps * robust_deviation(rows.iter().map(error));
         let is_used = |e: f64| limit.is_nan() || limit <= 0.0 || e.abs() <= limit;
         let used = rows.iter().filter(|row| is_used(error(row)));
-        let sums = NormalEquations::of(used.map(|(e, x)| (*x, *e)));
-        let fit = sums.solve()?;
-        let whole: f64 = rows.iter().map(|(_, x)| x[0] * x[0]).sum();
-        let informed = sums.matrix[(0, 0)] / whole;
-        found = Some((Lag { value: -fit.values[0], std_error: fit.std_error(0) }, informed));
-        values = fit.values;
+        NormalEquations::of(used.map(|(e, x)| (*x, *e)))
+    };
+    // the time, and the relative error of the gain
+    let mut values = Vector2::new(-start, 0.0);
+    for _ in 1..ROUNDS {
+        values = fitted_to_near(values).solve()?.values;
     }
-    let (lag, _) = found.filter(|(_, informed)| *informed > SPEEDS.informed)?;
-    are_low_passed([(s, lag.value)].into_iter()).then_some(lag)
+    let sums = fitted_to_near(values);
+    let fit = sums.solve()?;
+    let whole: f64 = rows.iter().map(|(_, x)| x[0] * x[0]).sum();
+    let lag = Lag { value: -fit.values[0], std_error: fit.std_error(0) };
+    let is_informed = sums.matrix[(0, 0)] / whole > SPEEDS.informed;
+    (is_informed && are_low_passed(iter::once((s, lag.value)))).then_some(lag)
 }
 
 /// Whether the speeds of wheels are low-passed with these lags \[s\].
